@@ -157,7 +157,7 @@ function(sheaf_python_module)
     cmake_path(GET file FILENAME name)
     file(CREATE_LINK "${file}" "${package}/${name}" SYMBOLIC)
   endforeach()
-  foreach(target IN ITEMS sheaf_image_io sheaf_color_io sheaf_import_model)
+  foreach(target IN ITEMS sheaf_color_io sheaf_import_model)
     if(TARGET ${target})
       add_custom_command(TARGET sheaf_python_module POST_BUILD COMMAND "${CMAKE_COMMAND}" -E create_symlink
         "$<TARGET_FILE:${target}>" "${package}/$<TARGET_FILE_NAME:${target}>" VERBATIM)

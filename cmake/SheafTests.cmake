@@ -17,10 +17,6 @@ set(SHEAF_LONG_TESTS
   uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking furnaces light_estimators spectral_render
   instancing_render determinism cli_render cli)
 
-# Tests with leaks of a library inside other libraries without frame pointers. cmake/lsan.supp matches these leaks only
-# with complete stack traces.
-set(SHEAF_WHOLE_STACK_TESTS image)
-
 # Tests that are skipped if a program is missing; they then print "skipped: ".
 set(SHEAF_OPTIONAL_TESTS slurm)
 
@@ -113,9 +109,6 @@ function(sheaf_tests folder)
     set_tests_properties(${unit} PROPERTIES LABELS ${folder})
     if(unit IN_LIST SHEAF_OPTIONAL_TESTS)
       set_tests_properties(${unit} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
-    endif()
-    if(unit IN_LIST SHEAF_WHOLE_STACK_TESTS)
-      set_tests_properties(${unit} PROPERTIES ENVIRONMENT "ASAN_OPTIONS=intercept_tls_get_addr=0:fast_unwind_on_malloc=0")
     endif()
   endforeach()
 endfunction()

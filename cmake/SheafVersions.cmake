@@ -16,19 +16,17 @@ function(sheaf_header_version variable header)
   set(${variable} "${version}" PARENT_SCOPE)
 endfunction()
 
-# sheaf_list_libraries(): writes tools/cli/libraries.h below the build folder, with the constant kLibraries. libpng and
-# libjpeg-turbo name their versions themselves.
+# sheaf_list_libraries(): writes tools/cli/libraries.h below the build folder, with the constant kLibraries. The
+# libraries of image formats name their versions themselves.
 function(sheaf_list_libraries)
   sheaf_header_version(xsimd_VERSION "${xsimd_INCLUDE_DIR}/xsimd/config/xsimd_config.hpp"
     XSIMD_VERSION_MAJOR XSIMD_VERSION_MINOR XSIMD_VERSION_PATCH)
   sheaf_header_version(NanoVDB_VERSION "${NanoVDB_INCLUDE_DIR}/nanovdb/NanoVDB.h"
     NANOVDB_MAJOR_VERSION_NUMBER NANOVDB_MINOR_VERSION_NUMBER NANOVDB_PATCH_VERSION_NUMBER)
-  sheaf_header_version(OpenImageIO_VERSION "${OpenImageIO_INCLUDE_DIR}/OpenImageIO/oiioversion.h"
-    OIIO_VERSION_MAJOR OIIO_VERSION_MINOR OIIO_VERSION_PATCH)
   sheaf_header_version(OpenColorIO_VERSION "${OpenColorIO_INCLUDE_DIR}/OpenColorIO/OpenColorABI.h" OCIO_VERSION_STR)
   sheaf_header_version(Draco_VERSION "${Draco_INCLUDE_DIR}/draco/core/draco_version.h" kDracoVersion)
   set(libraries "Embree ${Embree_VERSION}" "oneTBB ${TBB_VERSION}" "xsimd ${xsimd_VERSION}" "OpenEXR ${OpenEXR_VERSION}"
-    "Imath ${Imath_VERSION}" "zlib ${ZLIB_VERSION_STRING}" "OpenImageIO ${OpenImageIO_VERSION}"
+    "Imath ${Imath_VERSION}" "zlib ${ZLIB_VERSION_STRING}"
     "pugixml ${pugixml_VERSION}" "fmt ${fmt_VERSION}" "CLI11 ${CLI11_VERSION}"
     "nlohmann-json ${nlohmann_json_VERSION}" "NanoVDB ${NanoVDB_VERSION}" "tinygltf" "tinyobjloader" "libmicrohttpd")
   foreach(optional IN ITEMS OpenColorIO Draco Meshoptimizer Assimp)

@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
   clang g++ cmake ninja-build
   libembree-dev libtbb-dev
-  libopenexr-dev libimath-dev libpng-dev libjpeg-dev libopenimageio-dev libopencolorio-dev zlib1g-dev
+  libopenexr-dev libimath-dev libpng-dev libjpeg-dev libtiff-dev libwebp-dev libopencolorio-dev zlib1g-dev
   libpugixml-dev libnanovdb-dev
   libtinyobjloader-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libassimp-dev
   libxsimd-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmicrohttpd-dev

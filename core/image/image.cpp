@@ -4,8 +4,8 @@
 #include "core/color/color_space.h"
 #include "core/image/exr.h"
 #include "core/image/exr_colors.h"
-#include "core/image/image_corrections.h"
-#include "core/image/image_library.h"
+#include "core/image/image_formats.h"
+#include "core/image/image_orientation.h"
 #include "core/image/image_source.h"
 #include "core/io/error.h"
 #include "core/io/memory.h"
@@ -33,16 +33,12 @@ void check_file(const fs::path& path) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
 }
 
-/// The first line of a message of the library, which may repeat it for every row.
-std::string first_line(const std::string& remark) { return remark.substr(0, remark.find('\n')); }
-
-/// Rejects oversized tiles. The library allocates a whole row of tiles, and a file may claim huge tiles for a small
-/// image.
+/// Rejects oversized tiles. Readers allocate a whole tile, and a file may claim huge tiles for a small image.
 void check_tiles(const fs::path& path, const ImageHeader& header) {
   constexpr double kFewValues = 1 << 25, kMaxRatio = 4;
   if (header.tile_width == 0 && header.tile_height == 0) return;
   const auto whole_tiles = [](double side, double tile) { return std::ceil(side / tile) * tile; };
-  const double channels = header.channel_count, width = header.width, height = header.height;
+  const double channels = static_cast<double>(header.channels.size()), width = header.width, height = header.height;
   const double covered = whole_tiles(width, header.tile_width) * whole_tiles(height, header.tile_height) * channels;
   const double max_covered = std::max(kFewValues, kMaxRatio * width * height * channels);
   if (header.tile_width > 0 && header.tile_height > 0 && covered <= max_covered) return;
@@ -51,63 +47,46 @@ void check_tiles(const fs::path& path, const ImageHeader& header) {
                                header.tile_width, header.tile_height, header.width, header.height));
 }
 
-/// An open image file, other than OpenEXR, with a valid header.
-struct OpenImage {
-  std::unique_ptr<ImageReader> reader;
-  int orientation;  ///< see ImageCorrections
-  bool xyz;
-};
-
-/// Opens an image and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
-OpenImage open_image(ImageSource source, bool keeps_bytes) {
+/// Opens an image other than OpenEXR and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
+std::unique_ptr<ImageReader> open_image(ImageSource source, bool keeps_bytes) {
   const fs::path path = source.path();
-  const SourceLocation where{path.string(), 0};
-  const std::string format = checked_image_format(source);
-  const std::size_t file_bytes = counted_image_bytes(source, format);
-  ImageCorrections corrections;
-  if (source.memory() == nullptr) corrections = find_corrections(path, format);
+  const ImageFormat& format = find_image_format(source);
+  const auto file_bytes = static_cast<std::size_t>(std::max(source.size(), format.min_counted_bytes));
   std::string problem;
-  std::unique_ptr<ImageReader> reader =
-      open_image_reader(std::move(source), format, problem, std::move(corrections.bytes));
-  if (!reader) refuse_image(path, first_line(problem));
+  std::unique_ptr<ImageReader> reader = format.open(std::move(source), problem);
+  if (!reader) refuse_image(path, problem);
   const ImageHeader& header = reader->header();
-  check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
-                   file_bytes);
-  const std::size_t copies = corrections.orientation == 1 ? 1 : 2;
-  check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
+  check_image_size(path, header.width, header.height, header.channels.size(), file_bytes);
+  const std::size_t copies = header.orientation == 1 ? 1 : 2;
+  check_image_memory(path, header.width, header.height, header.channels.size(),
                      copies * (keeps_bytes && header.holds_bytes ? 1 : sizeof(float)) + header.decoder_bytes);
   check_tiles(path, header);
-  if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
-  if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
-    throw SceneError(where, "the image's channels have no names");
-  }
-  return {std::move(reader), corrections.orientation, corrections.xyz};
+  return reader;
 }
 
 /// Reads all pixels, rows from the top.
-template <class Value> std::vector<Value> read_pixels(const OpenImage& open, const fs::path& path) {
-  const ImageHeader& header = open.reader->header();
+template <class Value> std::vector<Value> read_pixels(ImageReader& reader, const fs::path& path) {
+  const ImageHeader& header = reader.header();
   const auto width = static_cast<std::size_t>(header.width), height = static_cast<std::size_t>(header.height);
   std::vector<Value> values(width * height * header.channels.size());
-  std::string remark;
-  const bool complete = open.reader->read(values.data(), remark);
-  if (!complete) refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
-  if (open.orientation == 1) return values;
-  return oriented(values, width, height, header.channels.size(), open.orientation);
+  std::string problem = kImageEndsEarly;
+  if (!reader.read(values.data(), problem)) refuse_image(path, problem);
+  if (header.orientation == 1) return values;
+  return oriented(values, width, height, header.channels.size(), header.orientation);
 }
 
 /// Reads all pixels, 8-bit data as bytes.
-StoredImage read_stored(const OpenImage& open, const fs::path& path) {
-  const ImageHeader& header = open.reader->header();
+StoredImage read_stored(ImageReader& reader, const fs::path& path) {
+  const ImageHeader& header = reader.header();
   StoredImage image;
-  image.width = is_transposed(open.orientation) ? header.height : header.width;
-  image.height = is_transposed(open.orientation) ? header.width : header.height;
+  image.width = is_transposed(header.orientation) ? header.height : header.width;
+  image.height = is_transposed(header.orientation) ? header.width : header.height;
   image.channels = header.channels;
   image.integers = header.holds_integers;
   if (header.holds_bytes)
-    image.bytes = read_pixels<std::uint8_t>(open, path);
+    image.bytes = read_pixels<std::uint8_t>(reader, path);
   else
-    image.floats = read_pixels<float>(open, path);
+    image.floats = read_pixels<float>(reader, path);
   return image;
 }
 
@@ -154,27 +133,28 @@ void check_image_memory(const fs::path& file, long long width, long long height,
 Image read_image(const fs::path& path) {
   check_file(path);
   if (is_exr(path)) return read_exr(path);
-  const OpenImage open = open_image(ImageSource(path), false);
-  const ImageHeader& header = open.reader->header();
+  const std::unique_ptr<ImageReader> reader = open_image(ImageSource(path), false);
+  const ImageHeader& header = reader->header();
   Image image;
-  image.width = image.frame_width = is_transposed(open.orientation) ? header.height : header.width;
-  image.height = image.frame_height = is_transposed(open.orientation) ? header.width : header.height;
+  image.width = image.frame_width = is_transposed(header.orientation) ? header.height : header.width;
+  image.height = image.frame_height = is_transposed(header.orientation) ? header.width : header.height;
   image.channels = header.channels;
-  image.data = read_pixels<float>(open, path);
+  image.data = read_pixels<float>(*reader, path);
   return image;
 }
 
 StoredImage read_stored_image(const fs::path& path, bool raw) {
   check_file(path);
   if (is_exr(path)) return read_exr_colors(path, raw);
-  const OpenImage open = open_image(ImageSource(path), true);
-  StoredImage image = read_stored(open, path);
-  if (open.xyz && !raw && image.channels.size() >= 3) convert_to_rec709(image.floats, kXyzSpace, image.channels.size());
+  const std::unique_ptr<ImageReader> reader = open_image(ImageSource(path), true);
+  StoredImage image = read_stored(*reader, path);
+  if (reader->header().xyz && !raw) convert_to_rec709(image.floats, kXyzSpace, image.channels.size());
   return image;
 }
 
 StoredImage read_stored_image(const EncodedImage& image) {
-  return read_stored(open_image(ImageSource(image), true), image.name);
+  const std::unique_ptr<ImageReader> reader = open_image(ImageSource(image), true);
+  return read_stored(*reader, image.name);
 }
 
 }  // namespace sheaf

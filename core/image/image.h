@@ -72,9 +72,9 @@ void check_image_memory(const std::filesystem::path& file, long long width, long
 /// in the header of the file. Throws Error (exit code 4).
 void write_png(const std::filesystem::path& path, const Image& image, const std::string& description = {});
 
-/// Reads the first image of an OpenEXR file, by read_exr(), or of a file in a format of checked_image_format().
-/// Integers are mapped to [0, 1] without linearization; alpha is kept as stored. Applies the orientation of Radiance
-/// and TIFF files. Throws SceneError if the file is missing, malformed, or beyond the limits.
+/// Reads the first image of an OpenEXR file, by read_exr(), or of a file in a format of image_formats(). Integers are
+/// mapped to [0, 1] without linearization; alpha is kept as stored. Applies the orientation of Radiance and TIFF files.
+/// Throws SceneError if the file is missing, malformed, or beyond the limits.
 Image read_image(const std::filesystem::path& path);
 
 /// Reads the colors of the same files. 8-bit data stay bytes, and OpenEXR files are read by read_exr_colors(). Unless

@@ -2,9 +2,9 @@
 
 #include "core/color/color.h"
 #include "core/image/display_channels.h"
-#include "core/image/image_library.h"
-#include "core/image/jpeg.h"
-#include "core/image/png.h"
+#include "core/image/formats/jpeg.h"
+#include "core/image/formats/png.h"
+#include "core/image/formats/tiff.h"
 #include "core/io/error.h"
 #include "core/io/output_file.h"
 
@@ -64,7 +64,7 @@ std::vector<unsigned char> encode(const Image& image, const DisplayChannels& cha
     case IntegerFormat::kJpeg:
       return encode_jpeg(pixels, encoding.quality, encoding.description, problem);
     case IntegerFormat::kTiff:
-      return image_library().encode_tiff(pixels, encoding.description, problem);
+      return encode_tiff(pixels, encoding.description, problem);
     case IntegerFormat::kPng:
       break;
   }

@@ -1,5 +1,7 @@
 #include "core/image/image_reader.h"
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -23,12 +25,23 @@ template <class Integer> void widen(float* values, std::size_t count) {
 
 }  // namespace
 
-bool IntegerReader::read(float* out, std::string& remark) {
+bool ImageReader::read(std::uint8_t* /*out*/, std::string& problem) {
+  problem = "the file does not hold bytes";
+  return false;
+}
+
+void ImageReader::set_header(int width, int height, std::vector<std::string> channels) {
+  header_.width = width;
+  header_.height = height;
+  header_.channels = std::move(channels);
+}
+
+bool IntegerReader::read(float* out, std::string& problem) {
   const std::size_t count =
       static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(header_.height) * header_.channels.size();
   const std::size_t bytes = count * (header_.holds_bytes ? 1 : 2);
   // Decode into the end of the array, which saves a second one
-  if (!decode(reinterpret_cast<unsigned char*>(out + count) - bytes, remark)) return false;
+  if (!decode(reinterpret_cast<unsigned char*>(out + count) - bytes, problem)) return false;
   if (header_.holds_bytes)
     widen<std::uint8_t>(out, count);
   else
@@ -37,12 +50,17 @@ bool IntegerReader::read(float* out, std::string& remark) {
 }
 
 void IntegerReader::set_header(int width, int height, std::vector<std::string> channels, int bits) {
-  header_.width = width;
-  header_.height = height;
-  header_.channel_count = static_cast<int>(channels.size());
+  ImageReader::set_header(width, height, std::move(channels));
   header_.holds_bytes = bits == 8;
   header_.holds_integers = true;
-  header_.channels = std::move(channels);
+}
+
+std::vector<std::string> default_channel_names(int count) {
+  if (count == 1) return {"Y"};
+  std::vector<std::string> names{"R", "G", "B", "A"};
+  for (int c = 4; c < count; ++c) names.push_back(fmt::format("channel{}", c));
+  names.resize(static_cast<std::size_t>(count));
+  return names;
 }
 
 }  // namespace sheaf

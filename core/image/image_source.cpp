@@ -17,4 +17,31 @@ void ImageSource::read(std::uint64_t at, std::span<unsigned char> out) {
   stream_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(count));
 }
 
+bool ImageStream::read(std::span<unsigned char> out) {
+  const std::uint64_t at = position();
+  if (at > size() || out.size() > size() - at) return false;
+  const std::size_t buffered = std::min(out.size(), available());
+  std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(next_), buffered, out.begin());
+  next_ += buffered;
+  const std::span<unsigned char> rest = out.subspan(buffered);
+  if (rest.size() >= buffer_.size()) {
+    source_.read(at + buffered, rest);
+    seek(at + out.size());
+  } else if (!rest.empty()) {
+    fill();
+    std::copy_n(buffer_.begin(), rest.size(), rest.begin());
+    next_ = rest.size();
+  }
+  return true;
+}
+
+bool ImageStream::fill() {
+  if (end_ >= size()) return false;
+  next_ = 0;
+  filled_ = static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size(), size() - end_));
+  source_.read(end_, {buffer_.data(), filled_});
+  end_ += filled_;
+  return true;
+}
+
 }  // namespace sheaf

@@ -3,8 +3,10 @@
 
 #include "core/image/image.h"
 
+#include <array>
 #include <fstream>
 #include <span>
+#include <utility>
 
 namespace sheaf {
 
@@ -30,5 +32,44 @@ class ImageSource {
   const EncodedImage* memory_ = nullptr;
   std::ifstream stream_;
 };
+
+/// Reads the bytes of an image file in order.
+class ImageStream {
+ public:
+  explicit ImageStream(ImageSource source) : source_(std::move(source)) {}
+
+  std::uint64_t size() const { return source_.size(); }
+  /// The position of the next byte.
+  std::uint64_t position() const { return end_ - available(); }
+  void seek(std::uint64_t position) {
+    next_ = filled_ = 0;
+    end_ = position;
+  }
+  /// Returns whether there are as many bytes.
+  bool read(std::span<unsigned char> out);
+  /// The next byte, or -1 at the end.
+  int get() { return next_ < filled_ || fill() ? buffer_[next_++] : -1; }
+  /// The same without advancing.
+  int peek() { return next_ < filled_ || fill() ? buffer_[next_] : -1; }
+
+ private:
+  std::size_t available() const { return filled_ - next_; }
+  bool fill();
+
+  ImageSource source_;
+  std::array<unsigned char, 1 << 14> buffer_;
+  std::size_t next_ = 0, filled_ = 0;  ///< in the buffer
+  std::uint64_t end_ = 0;              ///< position after the buffer
+};
+
+/// A number in little-endian order.
+inline std::uint32_t little_endian_number(std::span<const unsigned char> bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
+  return value;
+}
+
+/// The message for files whose pixels are incomplete.
+inline constexpr const char* kImageEndsEarly = "the file is damaged or ends too early";
 
 }  // namespace sheaf

@@ -2,8 +2,7 @@
 // corrected, because almost none would be read otherwise. All are read from memory, too. Files that claim many pixels
 // take a hundred times as long as others and tend to multiply: one in sixteen of them is read, without height fields.
 #include "core/image/image.h"
-#include "core/image/image_library.h"
-#include "core/image/image_source.h"
+#include "core/image/image_formats.h"
 #include "core/io/inflate.h"
 #include "scene/formats/height_field.h"
 #include "tests/fuzz/fuzz.h"
@@ -38,13 +37,12 @@ bool claims_much(const std::filesystem::path& file) {
   std::unique_ptr<ImageReader> reader;
   const auto open = [&] {
     ImageSource source(file);
-    const std::string format = checked_image_format(source);
-    reader = open_image_reader(std::move(source), format, problem);
+    reader = find_image_format(source).open(std::move(source), problem);
   };
   if (!reads(open)) return false;
   if (!reader) return false;
   const ImageHeader& header = reader->header();
-  return double(header.width) * double(header.height) * double(header.channel_count) > kFew;
+  return double(header.width) * double(header.height) * double(header.channels.size()) > kFew;
 }
 
 }  // namespace

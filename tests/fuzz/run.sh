@@ -8,7 +8,6 @@
 set -euo pipefail
 build=$(realpath "$1") target=$2
 shift 2
-root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
 
 # Each input becomes a file, in memory if possible.
 memory=/dev/shm
@@ -26,5 +25,5 @@ options=(-rss_limit_mb=2048 -timeout=30 -entropic=0 -print_final_stats=1 "-artif
 for argument in "$@"; do [[ ! -f $argument ]] || alone=1; done
 [[ -n ${alone:-} ]] || options+=("$corpus" "$TMPDIR/seeds/$target")
 # A small quarantine and short allocation stacks halve the time of each input.
-export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=6 LSAN_OPTIONS="suppressions=$root/cmake/lsan.supp:print_suppressions=0"
+export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=6
 "$build/fuzz_$target" "${options[@]}" "$@"

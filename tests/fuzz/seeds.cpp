@@ -14,6 +14,7 @@
 #include "tests/support/files/jpeg_files.h"
 #include "tests/support/files/model_files.h"
 #include "tests/support/files/png_files.h"
+#include "tests/support/files/tiff_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/job/parts.h"
 
@@ -352,7 +353,6 @@ void add_checkpoints(Seeds& seeds) {
   add(state);
 }
 
-/// Images of 3 x 2 pixels, and parts of one for merging.
 /// Kinds of PNG and JPEG files that Sheaf does not write.
 void add_png_and_jpeg(Seeds& seeds) {
   const std::string png(1, '\0'), jpeg(1, '\1');  // places in kImageExtensions
@@ -374,6 +374,34 @@ void add_png_and_jpeg(Seeds& seeds) {
   }
 }
 
+/// Kinds of the other image files: packed, planar and float TIFF, palettes, and run-length encoded rows.
+void add_image_kinds(Seeds& seeds) {
+  const std::string tiff(1, '\2'), hdr(1, '\3'), bmp(1, '\4'), tga(1, '\5'), pnm(1, '\6');
+  for (const std::uint32_t bits : {1u, 4u, 12u, 16u, 32u, 64u})
+    for (const bool is_separate : {false, true}) {
+      test::TiffSample sample{.width = 8, .height = 2, .bits = bits, .samples = 4, .photometric = 2};
+      sample.format = bits >= 16 ? 3 : 1;
+      sample.is_separate = is_separate;
+      sample.extra_samples = {2};
+      seeds.add("image", tiff + test::tiff_file(sample, std::string(8 * bits, 'x')));
+    }
+  seeds.add("image", tiff + test::tiff_file({.width = 2, .samples = 4, .photometric = 5}, "abcdefgh"));
+  test::TiffSample palette{.width = 8, .bits = 1, .photometric = 3};
+  palette.palette = {1, 2, 3, 4, 5, 60000};
+  seeds.add("image", tiff + test::tiff_file(palette, "x"));
+  using namespace std::string_literals;
+  seeds.add("image",
+            hdr + "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n+X 1 -Y 8\n\2\2\0\x08\x88\1\x84\2\4\3\4\5\6\x88\0\x88\x89"s);
+  seeds.add("image", bmp + "BM\0\0\0\0\0\0\0\0\x3e\0\0\0\x28\0\0\0\6\0\0\0\2\0\0\0\1\0\x08\0\1\0\0\0"s +
+                         std::string(12, '\0') +
+                         "\2\0\0\0\0\0\0\0\1\2\3\0\4\5\6\0\2\1\0\3\0\1\0\0\0\0\0\2\3\0\3\1\0\1"s);
+  seeds.add("image", tga + "\0\1\x09\0\0\2\0\x18\0\0\0\0\3\0\2\0\x08\x20\1\2\3\4\5\6\x81\1\3\0\1\0\1"s);
+  for (const char* const text :
+       {"P1 # bits\n3 2\n1 0 1\n010", "P2 3 1 10 0 5 11", "P3 1 1 255 1 2 3", "P4 9 1 \xaa\x80"})
+    seeds.add("image", pnm + text);
+}
+
+/// Images of 3 x 2 pixels, and parts of one for merging.
 void add_images(Seeds& seeds) {
   const TemporaryFolder folder;
   const std::vector<int> gray = {0, 50, 100, 150, 200, 250},
@@ -394,6 +422,7 @@ void add_images(Seeds& seeds) {
   for (std::size_t i = 0; i < std::size(kImageExtensions); ++i)
     seeds.add("image", static_cast<char>(i) + read_bytes(path(kImageExtensions[i])));
   add_png_and_jpeg(seeds);
+  add_image_kinds(seeds);
   ExrMetadata metadata;
   metadata.software = "seeds";
   metadata.half_channels = {"R"};

@@ -1,9 +1,7 @@
 #include "tools/cli/build_details.h"
 
 #include "core/image/display_view.h"
-#include "core/image/image_library.h"
-#include "core/image/jpeg.h"
-#include "core/image/png.h"
+#include "core/image/image_formats.h"
 #include "core/io/module.h"
 #include "scene/formats/model_import.h"
 #include "tools/cli/libraries.h"
@@ -23,13 +21,17 @@ std::string placed(const std::string& name) {
 }  // namespace
 
 std::string build_details() {
+  std::string libraries, written, read;
+  for (const ImageFormat& format : image_formats()) {
+    if (!format.library.empty()) libraries += fmt::format("{} {}, ", format.library, format.version());
+    (format.is_written ? written : read) += fmt::format(", {}", format.name);
+  }
   return fmt::format(
-      "libraries: libpng {}, libjpeg-turbo {}, {}\n"
-      "images: OpenEXR, PNG, JPEG\n"
-      "images by {}: TIFF; read only: WebP, Radiance (.hdr), BMP, PFM, PGM, PPM, TGA\n"
+      "libraries: {}{}\n"
+      "images: OpenEXR{}; read only: {}\n"
       "OpenColorIO by {}\n"
       "FBX, COLLADA, 3D Studio and OFF models by {}\n",
-      png_version(), jpeg_version(), kLibraries, placed(kImageLibrary), placed(kColorLibrary), placed(kModelImporter));
+      libraries, kLibraries, written, read.substr(2), placed(kColorLibrary), placed(kModelImporter));
 }
 
 }  // namespace sheaf

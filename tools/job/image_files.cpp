@@ -1,7 +1,6 @@
 #include "tools/job/image_files.h"
 
 #include "core/image/image_encoding.h"
-#include "core/image/image_library.h"
 #include "core/io/error.h"
 #include "core/io/name_table.h"
 #include "core/io/output_file.h"
@@ -109,11 +108,7 @@ void check_overwriting(std::span<const NamedFile> written, std::span<const Named
 }
 
 void check_all_writable(std::span<const NamedFile> written) {
-  for (const NamedFile& output : written) {
-    check_writable(output.file);
-    const OutputFormat* const format = kExtensions.find(extension_of(output.file));
-    if (format != nullptr && *format == OutputFormat::kTiff) image_library();
-  }
+  for (const NamedFile& output : written) check_writable(output.file);
 }
 
 bool try_to_write(const std::function<void()>& write) {

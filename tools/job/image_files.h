@@ -43,8 +43,7 @@ void check_is_image(const std::filesystem::path& file);
 /// Throws Error (exit code 2) if two outputs are the same file, or if an output is one of `sources`.
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources);
 
-/// Throws Error unless all files can be written: exit code 4, see check_writable(), or 1 for TIFF if the image library
-/// is missing.
+/// Throws Error (exit code 4) unless all files can be written; see check_writable().
 void check_all_writable(std::span<const NamedFile> written);
 
 /// Calls write() and prints the error if it throws. Returns whether it succeeded, so that callers can continue with

@@ -23,7 +23,7 @@ cp tools/python/sheaf/*.py tools/python/sheaf/*.pyi tools/python/sheaf/py.typed 
 for level in "${levels[@]}"; do
   mkdir "$contents/sheaf/$level"
   # The libraries and the helper are links in the build folder
-  for file in _sheaf.so sheaf_image_io.so sheaf_color_io.so sheaf_import_model; do
+  for file in _sheaf.so sheaf_color_io.so sheaf_import_model; do
     [ ! -e "$folder/$level/python/sheaf/$file" ] || cp -L "$folder/$level/python/sheaf/$file" "$contents/sheaf/$level"
   done
   strip --strip-unneeded "$contents/sheaf/$level"/*

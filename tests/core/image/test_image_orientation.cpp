@@ -1,6 +1,6 @@
 // Radiance HDR and TIFF files whose first pixel is not top left, whose colors are CIE XYZ, or that omit BitsPerSample.
 #include "core/image/image.h"
-#include "core/image/image_corrections.h"
+#include "core/image/image_orientation.h"
 #include "core/io/error.h"
 #include "tests/support/contains.h"
 #include "tests/support/files/image_files.h"

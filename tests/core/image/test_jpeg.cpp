@@ -1,6 +1,6 @@
 // JPEG files of all kinds, and the markers of written ones.
+#include "core/image/formats/jpeg.h"
 #include "core/image/image.h"
-#include "core/image/jpeg.h"
 #include "core/io/error.h"
 #include "core/io/memory.h"
 #include "tests/support/contains.h"

@@ -1,6 +1,6 @@
 // PNG files of all kinds, and the chunks of written ones.
+#include "core/image/formats/png.h"
 #include "core/image/image.h"
-#include "core/image/png.h"
 #include "core/io/error.h"
 #include "tests/support/files/png_files.h"
 #include "tests/support/temporary_folder.h"

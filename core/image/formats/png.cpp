@@ -1,12 +1,14 @@
 // The only file that includes libpng. After an error, libpng jumps back to setjmp() in run_png(). The functions in
 // between have no objects with destructors.
-#include "core/image/png.h"
+#include "core/image/formats/png.h"
 
 #include <png.h>
 
+#include <array>
 #include <bit>
 #include <csetjmp>
 #include <cstdio>
+#include <cstring>
 #include <new>
 #include <utility>
 
@@ -34,12 +36,33 @@ template <class Action> bool run_png(png_structp png, const Action& action) {
   return true;
 }
 
+/// Checks the lengths of all chunks, also of those that the reader skips or does not reach. A chunk has a length, four
+/// letters, the data, and a checksum.
+bool has_whole_chunks(ImageSource& source) {
+  constexpr std::uint64_t kSignature = 8, kAround = 12;
+  for (std::uint64_t at = kSignature; at < source.size();) {
+    if (source.size() - at < kAround) return false;
+    std::array<unsigned char, 8> head{};
+    source.read(at, head);
+    std::uint32_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | head[i];
+    if (length > source.size() - at - kAround) return false;
+    if (std::memcmp(&head[4], "IEND", 4) == 0) return true;
+    at += kAround + length;
+  }
+  return true;
+}
+
 class PngReader final : public IntegerReader {
  public:
   explicit PngReader(ImageSource source) : source_(std::move(source)) {}
   ~PngReader() override { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   bool open(std::string& problem) {
+    if (!has_whole_chunks(source_)) {
+      problem = kImageEndsEarly;
+      return false;
+    }
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &message_, jump_after_png_error, ignore_png_warning);
     info_ = png_ == nullptr ? nullptr : png_create_info_struct(png_);
     if (info_ == nullptr || !run_png(png_, [this] { read_header(); })) {
@@ -54,7 +77,7 @@ class PngReader final : public IntegerReader {
  private:
   static void read_bytes(png_structp png, png_bytep out, std::size_t size) {
     PngReader& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
-    if (size > reader.source_.size() - reader.at_) png_error(png, "the file is damaged or ends too early");
+    if (size > reader.source_.size() - reader.at_) png_error(png, kImageEndsEarly);
     reader.source_.read(reader.at_, {out, size});
     reader.at_ += size;
   }

@@ -1,6 +1,6 @@
 // The only file that includes libjpeg-turbo. After an error, a handler jumps back to setjmp() in run_jpeg(). The
 // functions in between have no objects with destructors.
-#include "core/image/jpeg.h"
+#include "core/image/formats/jpeg.h"
 
 #include <algorithm>
 #include <array>
@@ -40,7 +40,7 @@ struct JpegErrors : jpeg_error_mgr {
 
 /// libjpeg fills missing parts of damaged files with gray and only warns. Such files are rejected.
 void handle_warning(j_common_ptr info, int /*level*/) {
-  if (info->err->msg_code == JWRN_HIT_MARKER) jump_after_jpeg_error(info, "the file is damaged or ends too early");
+  if (info->err->msg_code == JWRN_HIT_MARKER) jump_after_jpeg_error(info, kImageEndsEarly);
 }
 
 jpeg_error_mgr* initialized(JpegErrors& errors) {
@@ -73,8 +73,7 @@ class JpegSource : public jpeg_source_mgr {
 
  private:
   boolean fill(j_decompress_ptr info) {
-    if (at_ >= file_.size())
-      jump_after_jpeg_error(reinterpret_cast<j_common_ptr>(info), "the file is damaged or ends too early");
+    if (at_ >= file_.size()) jump_after_jpeg_error(reinterpret_cast<j_common_ptr>(info), kImageEndsEarly);
     bytes_in_buffer = static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size(), file_.size() - at_));
     next_input_byte = buffer_.data();
     file_.read(at_, {buffer_.data(), bytes_in_buffer});
