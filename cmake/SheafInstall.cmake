@@ -9,13 +9,16 @@ chooses")
 # scripts runs.
 function(sheaf_install)
   if(SHEAF_HAS_PYTHON_MODULE AND SKBUILD)
-    # `pip install .`, which adds the files in Python
-    install(TARGETS sheaf_python_module LIBRARY DESTINATION sheaf COMPONENT python)
+    # `pip install .`, which adds the files in Python. The package contains the program and what both load in the folders
+    # of an installation.
+    install(TARGETS sheaf RUNTIME DESTINATION sheaf/bin COMPONENT python)
+    install(PROGRAMS tools/packaging/sheaf_script.py DESTINATION "${SKBUILD_SCRIPTS_DIR}" RENAME sheaf COMPONENT python)
+    install(TARGETS sheaf_python_module LIBRARY DESTINATION sheaf/lib/sheaf COMPONENT python)
     if(OpenColorIO_FOUND)
-      install(TARGETS sheaf_color_io LIBRARY DESTINATION sheaf COMPONENT python)
+      install(TARGETS sheaf_color_io LIBRARY DESTINATION sheaf/lib/sheaf COMPONENT python)
     endif()
     if(Assimp_FOUND)
-      install(TARGETS sheaf_import_model RUNTIME DESTINATION sheaf COMPONENT python)
+      install(TARGETS sheaf_import_model RUNTIME DESTINATION sheaf/lib/sheaf COMPONENT python)
     endif()
     return()
   endif()

@@ -24,7 +24,7 @@ class Levels(unittest.TestCase):
     def choose(self, instructions, wanted="", levels=("x86-64-v3", "x86-64-v4")):
         with tempfile.TemporaryDirectory() as folder:
             for level in levels:
-                (Path(folder) / level).mkdir()
+                (Path(folder) / "lib" / "sheaf" / level).mkdir(parents=True)
             with mock.patch.object(_native, "__file__", f"{folder}/_native.py"), \
                  mock.patch.object(_native, "_instructions", lambda: instructions), \
                  mock.patch.dict(os.environ, {"SHEAF_ISA": wanted}):
@@ -41,6 +41,14 @@ class Levels(unittest.TestCase):
             with self.assertRaisesRegex(ImportError, message):
                 self.choose(instructions, wanted)
         self.assertIn("sse2", _native._instructions())
+
+    def test_one_build(self):
+        """A module for one instruction set: that of the build folder, or of an installed package."""
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(_native, "__file__", f"{folder}/_native.py"):
+            self.assertEqual(_native._folder(), Path(folder))
+            shipped = Path(folder) / "lib" / "sheaf"
+            shipped.mkdir(parents=True)
+            self.assertEqual(_native._folder(), shipped)
 
     def test_incomplete_package(self):
         with tempfile.TemporaryDirectory() as folder, mock.patch.object(_native, "__file__", f"{folder}/_native.py"):
@@ -59,16 +67,23 @@ class Wheels(unittest.TestCase):
                 if file.is_file():
                     (contents / file.name).write_bytes(file.read_bytes())
             (contents / "_sheaf.so").write_bytes(b"module")
-            done = subprocess.run([sys.executable, scenes.ROOT / "tools/packaging/pack_wheel.py", contents.parent, folder],
-                                  check=True, capture_output=True, text=True)
+            packaging = scenes.ROOT / "tools/packaging"
+            command = [sys.executable, packaging / "pack_wheel.py", contents.parent, folder]
+            default = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+            self.assertRegex(Path(default).name, r"^sheaf-[0-9.]+-cp3\d+-cp3\d+-linux_x86_64\.whl$")
+            done = subprocess.run([*command, "--tag", "cp313-cp313-manylinux_2_36_x86_64", "--script",
+                                   packaging / "sheaf_script.py"], check=True, capture_output=True, text=True)
             wheel = done.stdout.strip()
-            self.assertRegex(Path(wheel).name, r"^sheaf-[0-9.]+-cp3\d+-cp3\d+-linux_x86_64\.whl$")
+            self.assertRegex(Path(wheel).name, r"^sheaf-[0-9.]+-cp313-cp313-manylinux_2_36_x86_64\.whl$")
             found = next(iter(importlib.metadata.distributions(name="sheaf", path=[wheel])))
             self.assertEqual((found.metadata["Name"], found.version), ("sheaf", sheaf.__version__))
             self.assertEqual(found.requires, ["numpy>=1.20"])
             listed = {str(file): file for file in found.files}
             with zipfile.ZipFile(wheel) as archive:
                 self.assertEqual(set(archive.namelist()), set(listed))
+                script = archive.getinfo(f"sheaf-{sheaf.__version__}.data/scripts/sheaf")
+                self.assertEqual(script.external_attr >> 16, 0o755)
+                self.assertTrue(archive.read(script).startswith(b"#!python\n"))
                 for name in archive.namelist():
                     if not name.endswith("RECORD"):
                         digest = base64.urlsafe_b64encode(hashlib.sha256(archive.read(name)).digest()).rstrip(b"=")

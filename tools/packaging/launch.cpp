@@ -1,4 +1,4 @@
-// Launcher `sheaf` of the Debian package: starts the best build for the processor. It is compiled for the baseline
+// Launcher `sheaf` of packages and releases: starts the best build for the processor. It is compiled for the baseline
 // instruction set, so that it can report missing instructions.
 #include <fmt/format.h>
 

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Packs a folder with the contents of the Python package into a wheel (PEP 427). tools/packaging/make_wheel.sh runs it.
+"""Packs a folder with the contents of the Python package into a wheel (PEP 427). tools/packaging/make_release.sh runs it.
 
-  tools/packaging/pack_wheel.py CONTENTS OUTPUT_FOLDER
+  tools/packaging/pack_wheel.py CONTENTS OUTPUT_FOLDER [--tag TAG] [--script FILE]
 
+--tag: versions of Python and platforms, as in the name of the wheel. --script: a file in Python that installs as the
+command `sheaf`.
 Name, version, description and dependencies are those of pyproject.toml and CMakeLists.txt.
 """
 
@@ -29,15 +31,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("contents", type=Path)
     parser.add_argument("output", type=Path)
+    interpreter = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    parser.add_argument("--tag", default=f"{interpreter}-{interpreter}-linux_x86_64")
+    parser.add_argument("--script", type=Path)
     arguments = parser.parse_args()
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     version = value((ROOT / "CMakeLists.txt").read_text(encoding="utf-8"), r"project\(sheaf VERSION ([0-9.]+)", "CMakeLists.txt")
-    interpreter = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    tag = f"{interpreter}-{interpreter}-linux_x86_64"
+    tag = arguments.tag
     info = f"sheaf-{version}.dist-info"
     files = {str(path.relative_to(arguments.contents)): path.read_bytes()
              for path in sorted(arguments.contents.rglob("*")) if path.is_file() and "__pycache__" not in path.parts}
     programs = {name for name in files if (arguments.contents / name).stat().st_mode & stat.S_IXUSR}
+    if arguments.script:
+        script = f"sheaf-{version}.data/scripts/sheaf"
+        files[script] = arguments.script.read_bytes()
+        programs.add(script)
     files[f"{info}/METADATA"] = "\n".join([
         "Metadata-Version: 2.1", "Name: sheaf", f"Version: {version}",
         "Summary: " + value(project, r'description = "(.*)"', "pyproject.toml"),

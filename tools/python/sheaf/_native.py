@@ -25,18 +25,18 @@ def _instructions() -> set:
 
 def _folder() -> Path:
     """The folder of the best module for this processor, or of the one that $SHEAF_ISA requests."""
-    package = Path(__file__).resolve().parent
-    here = Path(__file__).parent
-    builds = [level for level in LEVELS if (here / level).is_dir()]
+    package = Path(__file__).parent
+    shipped = package / "lib" / "sheaf"  # where the program looks as well
+    builds = [level for level in LEVELS if (shipped / level).is_dir()]
     if not builds:
-        return here
+        return shipped if shipped.is_dir() else package
     wanted = os.environ.get("SHEAF_ISA", "")
     if wanted and wanted not in builds:
         raise ImportError(f"SHEAF_ISA is '{wanted}': expected {', '.join(builds)} or nothing")
     has = _instructions()
     for level in builds:
         if LEVELS[level] <= has and wanted in ("", level):
-            return package / level
+            return shipped / level
     raise ImportError("this processor lacks the required instructions of " + (wanted or builds[-1]))
 
 
