@@ -1,8 +1,13 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that Sheaf needs for building, and the packages in its arguments. If all are installed,
-# it is quick and needs no network.
+# it is quick and needs no network. With --list alone, prints the packages instead.
 set -euo pipefail
 
+lists=false
+if [[ ${1:-} == --list ]]; then
+  lists=true
+  shift
+fi
 packages=(
   clang g++ cmake ninja-build
   libembree-dev libtbb-dev
@@ -14,6 +19,10 @@ packages=(
   doctest-dev libbenchmark-dev
   "$@"
 )
+if $lists; then
+  printf '%s\n' "${packages[@]}"
+  exit 0
+fi
 
 missing=()
 for package in "${packages[@]}"; do
