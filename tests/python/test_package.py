@@ -82,7 +82,7 @@ class Wheels(unittest.TestCase):
             with zipfile.ZipFile(wheel) as archive:
                 self.assertEqual(set(archive.namelist()), set(listed))
                 script = archive.getinfo(f"sheaf-{sheaf.__version__}.data/scripts/sheaf")
-                self.assertEqual(script.external_attr >> 16, 0o755)
+                self.assertEqual(script.external_attr >> 16, 0o100755)
                 self.assertTrue(archive.read(script).startswith(b"#!python\n"))
                 for name in archive.namelist():
                     if not name.endswith("RECORD"):

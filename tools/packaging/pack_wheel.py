@@ -61,7 +61,7 @@ def main():
         for name, data in files.items():
             entry = zipfile.ZipInfo(name)  # always of 1980, so that equal contents make equal wheels
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name in programs else 0o644) << 16
+            entry.external_attr = (stat.S_IFREG | (0o755 if name in programs else 0o644)) << 16  # pip wants the type as well
             archive.writestr(entry, data)
     print(wheel)
 
