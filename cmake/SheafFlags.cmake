@@ -8,11 +8,10 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   list(APPEND march -fsigned-char)
 endif()
 
-# sheaf_flags: include folders, definitions and compiler flags of all code of this project. Optimization and sanitizers
-# come with the build type; see CMakePresets.json.
+# sheaf_flags: include folders and compiler flags of all code of this project. Optimization and sanitizers come with the
+# build type; see CMakePresets.json.
 add_library(sheaf_flags INTERFACE)
 target_include_directories(sheaf_flags INTERFACE "${PROJECT_SOURCE_DIR}" "${PROJECT_BINARY_DIR}/generated")
-target_compile_definitions(sheaf_flags INTERFACE SHEAF_VERSION="${PROJECT_VERSION}")
 # -ffp-contract=off rounds a * b + c twice everywhere. Therefore the same source gives the same bits in every function,
 # lane, optimization level and compiler. Code that wants a fused multiply-add calls fma(). Tested by
 # tests/core/simd/test_contraction.cpp.

@@ -1,4 +1,14 @@
-# The libraries of the build with their versions, for `sheaf --version -v`.
+# The version of Sheaf, and those of the libraries of the build for `sheaf --version -v`.
+
+# sheaf_version_header(<path> <lines>): writes a header below the build folder, with lines in the namespace sheaf.
+function(sheaf_version_header path lines)
+  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${path}"
+    CONTENT "// Written by CMake.\n#pragma once\n\nnamespace sheaf {\n${lines}\n}\n")
+endfunction()
+
+# Only files that include this header are compiled again for another version.
+sheaf_version_header(core/io/version.h
+  "/// The version of Sheaf, such as \"1.2.3\".\ninline constexpr char kSheafVersion[] = \"${PROJECT_VERSION}\";")
 
 # sheaf_header_version(<variable> <header> <name>...): sets the variable to the numbers behind names in a header, joined
 # by dots.
@@ -36,6 +46,5 @@ function(sheaf_list_libraries)
   endforeach()
   list(TRANSFORM libraries STRIP)
   list(JOIN libraries ", " text)
-  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/tools/cli/libraries.h"
-    CONTENT "// Written by CMake.\n#pragma once\n\nnamespace sheaf {\ninline constexpr char kLibraries[] = \"${text}\";\n}\n")
+  sheaf_version_header(tools/cli/libraries.h "inline constexpr char kLibraries[] = \"${text}\";")
 endfunction()

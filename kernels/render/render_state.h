@@ -41,6 +41,9 @@ struct RecordedSetting {
 };
 using RecordedSettings = std::vector<RecordedSetting>;
 
+/// Name of the setting that holds the version of Sheaf, the first of every checkpoint.
+inline constexpr const char* kVersionSetting = "Sheaf's version";
+
 /// Writes a checkpoint atomically. Throws Error (exit code 4).
 void write_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings, const RenderState& state);
 

@@ -1,10 +1,12 @@
 // Main program: dispatches to subcommands and reports errors.
 #include "core/io/error.h"
+#include "core/io/version.h"
 #include "core/simd/simd.h"
 #include "tools/cli/build_details.h"
 #include "tools/cli/commands.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -45,7 +47,7 @@ int run(int argc, char** argv) {
       "Exit codes: 0 success, 1 runtime error, 2 usage error, 3 scene or asset error, 4 output not writable, "
       "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT or SIGTERM after saving the image so far "
       "(a second SIGINT or SIGTERM terminates immediately).");
-  program.set_version(std::string("sheaf " SHEAF_VERSION " ") + kIsaName, build_details);
+  program.set_version(fmt::format("sheaf {} {}", kSheafVersion, kIsaName), build_details);
   program.require_command();
   // Add the commands, and run the one on the command line
   try {

@@ -3,6 +3,7 @@
 #include "core/io/error.h"
 #include "core/io/inflate.h"
 #include "core/io/output_file.h"
+#include "core/io/version.h"
 #include "core/simd/simd.h"
 #include "kernels/render/continuation.h"
 #include "tools/console/messages.h"
@@ -67,7 +68,7 @@ void check_checkpoint(const CheckpointArguments& arguments) {
 
 RecordedSettings recorded_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {
   using Kind = RecordedSetting::Kind;
-  RecordedSettings settings{{"Sheaf's version", SHEAF_VERSION, Kind::kProgram},
+  RecordedSettings settings{{kVersionSetting, kSheafVersion, Kind::kProgram},
                             {"the instruction set", kIsaName, Kind::kProgram}};
   for (const GivenOption& option : given) {
     const bool selects_part = option.name == "samples" || option.name == "crop";

@@ -11,6 +11,7 @@
 namespace sheaf {
 
 /// Noise of the image as RenderReport::noise; the command line; and the time of rendering, s.
+inline constexpr const char* kVersionAttribute = "sheaf/version";
 inline constexpr const char* kNoiseAttribute = "sheaf/noise";
 inline constexpr const char* kCommandLineAttribute = "sheaf/commandLine";
 inline constexpr const char* kRenderSecondsAttribute = "sheaf/renderSeconds";

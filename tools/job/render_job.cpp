@@ -2,6 +2,7 @@
 
 #include "core/io/error.h"
 #include "core/io/memory.h"
+#include "core/io/version.h"
 #include "core/simd/saturate.h"
 #include "core/soa/large_pages.h"
 #include "kernels/denoise/denoise.h"
@@ -92,9 +93,9 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& l
   const SceneNames& names = loaded.scene->names();
   ExrMetadata metadata;
   // Set the standard attributes
-  metadata.software = "Sheaf " SHEAF_VERSION;
+  metadata.software = fmt::format("Sheaf {}", kSheafVersion);
   metadata.world_to_camera = world_to_camera(loaded.description.camera);
-  metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
+  metadata.attributes = {{kVersionAttribute, std::string(kSheafVersion)},
                          {"sheaf/isa", report.isa},
                          {"sheaf/integrator", report.integrator},
                          {"sheaf/color", report.color},

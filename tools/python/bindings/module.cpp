@@ -1,6 +1,7 @@
 // The Python module sheaf._sheaf: scenes and images for the package sheaf, which is written in Python. Wraps pybind11.
 #include "core/image/image_compare.h"
 #include "core/io/error.h"
+#include "core/io/version.h"
 #include "core/simd/simd.h"
 #include "scene/xml/xml_values.h"
 #include "tools/python/bindings/module_queries.h"
@@ -383,7 +384,7 @@ void translate_errors(py::module_& m) {
 
 PYBIND11_MODULE(_sheaf, m) {
   using namespace sheaf;
-  m.attr("version") = SHEAF_VERSION;
+  m.attr("version") = kSheafVersion;
   m.attr("isa") = kIsaName;
   translate_errors(m);
   add_scene(m);
