@@ -26,26 +26,30 @@ using namespace std::string_view_literals;
 const std::vector<ImageFormat>& all_formats() {
   static const std::vector<ImageFormat> formats{
       {.name = "PNG",
+       .extensions = {".png"sv},
        .magic = {"\x89PNG"sv},
-       .is_written = true,
+       .written = IntegerFormat::kPng,
        .in_memory = true,
        .open = open_png,
        .library = "libpng",
        .version = png_version},
       {.name = "JPEG",
+       .extensions = {".jpg"sv, ".jpeg"sv},
        .magic = {"\xff\xd8\xff"sv},
-       .is_written = true,
+       .written = IntegerFormat::kJpeg,
        .in_memory = true,
        .open = open_jpeg,
        .library = "libjpeg-turbo",
        .version = jpeg_version},
       {.name = "TIFF",
+       .extensions = {".tif"sv, ".tiff"sv},
        .magic = {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv},
-       .is_written = true,
+       .written = IntegerFormat::kTiff,
        .open = open_tiff,
        .library = "libtiff",
        .version = tiff_version},
       {.name = "WebP",
+       .extensions = {".webp"sv},
        .magic = {"WEBP"sv},
        .magic_at = 8,
        .in_memory = true,
@@ -53,13 +57,13 @@ const std::vector<ImageFormat>& all_formats() {
        .open = open_webp,
        .library = "libwebp",
        .version = webp_version},
-      {.name = "Radiance (.hdr)", .magic = {"#?"sv}, .open = open_radiance},
-      {.name = "BMP", .magic = {"BM"sv}, .open = open_bmp},
-      {.name = "PBM", .magic = {"P1"sv, "P4"sv}, .open = open_pnm},
-      {.name = "PGM", .magic = {"P2"sv, "P5"sv}, .open = open_pnm},
-      {.name = "PPM", .magic = {"P3"sv, "P6"sv}, .open = open_pnm},
-      {.name = "PFM", .magic = {"Pf"sv, "PF"sv}, .open = open_pfm},
-      {.name = "TGA", .extension = ".tga", .open = open_tga},
+      {.name = "Radiance HDR", .extensions = {".hdr"sv, ".pic"sv}, .magic = {"#?"sv}, .open = open_radiance},
+      {.name = "BMP", .extensions = {".bmp"sv}, .magic = {"BM"sv}, .open = open_bmp},
+      {.name = "PBM", .extensions = {".pbm"sv}, .magic = {"P1"sv, "P4"sv}, .open = open_pnm},
+      {.name = "PGM", .extensions = {".pgm"sv}, .magic = {"P2"sv, "P5"sv}, .open = open_pnm},
+      {.name = "PPM", .extensions = {".ppm"sv}, .magic = {"P3"sv, "P6"sv}, .open = open_pnm},
+      {.name = "PFM", .extensions = {".pfm"sv}, .magic = {"Pf"sv, "PF"sv}, .open = open_pfm},
+      {.name = "TGA", .extensions = {".tga"sv}, .open = open_tga},
   };
   return formats;
 }
@@ -67,14 +71,17 @@ const std::vector<ImageFormat>& all_formats() {
 bool matches(const ImageFormat& format, std::string_view head, std::string extension) {
   if (format.magic.empty()) {
     for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return extension == format.extension;
+    return std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end();
   }
   return std::any_of(format.magic.begin(), format.magic.end(),
                      [&](std::string_view magic) { return head.substr(format.magic_at).starts_with(magic); });
 }
 
-/// "PNG, JPEG or WebP": the formats that are read from the disk or from memory.
-std::string list_formats(bool in_memory) {
+}  // namespace
+
+std::span<const ImageFormat> image_formats() { return all_formats(); }
+
+std::string list_image_formats(bool in_memory) {
   std::vector<std::string_view> names;
   if (!in_memory) names.emplace_back("OpenEXR");
   for (const ImageFormat& format : all_formats())
@@ -84,10 +91,6 @@ std::string list_formats(bool in_memory) {
   return fmt::format("{} or {}", fmt::join(names, ", "), last);
 }
 
-}  // namespace
-
-std::span<const ImageFormat> image_formats() { return all_formats(); }
-
 const ImageFormat& find_image_format(ImageSource& source) {
   const bool in_memory = source.memory() != nullptr;
   std::array<unsigned char, 12> bytes{};
@@ -95,8 +98,9 @@ const ImageFormat& find_image_format(ImageSource& source) {
   const std::string_view head(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const ImageFormat& format : all_formats())
     if ((format.in_memory || !in_memory) && matches(format, head, source.path().extension().string())) return format;
-  throw SceneError({source.path().string(), 0}, fmt::format("cannot read the image: expected {}{}",
-                                                            in_memory ? "" : "a file of ", list_formats(in_memory)));
+  throw SceneError({source.path().string(), 0},
+                   fmt::format("cannot read the image: expected {}{}", in_memory ? "" : "a file of ",
+                               list_image_formats(in_memory)));
 }
 
 }  // namespace sheaf

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cstdint>
 #include <fstream>
-#include <vector>
 
 namespace sheaf {
 
@@ -98,6 +97,13 @@ const KnownFormat* find_extension(const std::vector<const KnownFormat*>& formats
 }
 
 }  // namespace
+
+std::vector<KnownFormat> scene_part_formats() {
+  std::vector<KnownFormat> parts;
+  for (const KnownFormat& known : kKnown)
+    if (known.use == FileUse::kScenePart) parts.push_back(known);
+  return parts;
+}
 
 FileFormat file_format(const fs::path& file, std::span<const KnownFormat> more) {
   std::error_code error;

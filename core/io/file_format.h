@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sheaf {
 
@@ -37,6 +38,9 @@ struct KnownFormat {
   /// For formats without a magic number: whether a file of `size` bytes that starts with these bytes has the format.
   bool (*matches)(std::string_view bytes, std::uintmax_t size) = nullptr;
 };
+
+/// The formats of assets that have neither a table of their own nor several versions: FileUse::kScenePart.
+std::vector<KnownFormat> scene_part_formats();
 
 /// Checks the first bytes, then the file extension: for the formats in `more`, and for those of files that Sheaf does
 /// not read as models. Returns kUnknown if `file` is not a regular file or cannot be read.

@@ -12,11 +12,16 @@
 #include "scene/dialects/xml/read_texture.h"
 #include "scene/formats/model_formats.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
 
 namespace sheaf {
 
 namespace {
+
+constexpr std::array<std::string_view, 2> kPbrtExtensions{".pbrt", ".pbrt.gz"};
 
 /// Whether an XML scene is in the Nori dialect: no <sensor> and no version, but a <camera> or a <mesh>.
 bool is_nori(const XmlElement& root) {
@@ -58,8 +63,15 @@ void add_default_light(Description& description) {
 
 }  // namespace
 
+std::span<const SceneDialect> scene_dialects() {
+  static const std::vector<SceneDialect> dialects{
+      {"Mitsuba", {".xml"}}, {"Nori", {".xml"}}, {"pbrt", {kPbrtExtensions.begin(), kPbrtExtensions.end()}}};
+  return dialects;
+}
+
 bool is_pbrt_scene(const std::filesystem::path& file) {
-  return file.extension() == ".pbrt" || file.string().ends_with(".pbrt.gz");
+  return std::any_of(kPbrtExtensions.begin(), kPbrtExtensions.end(),
+                     [&](std::string_view extension) { return file.string().ends_with(extension); });
 }
 
 ColorMode native_color(const std::filesystem::path& file) {
@@ -99,8 +111,8 @@ void check_format(const std::filesystem::path& file) {
   if (format.use == FileUse::kEmpty && is_named) return;
   throw SceneError(
       {file.string(), 0},
-      fmt::format("is {}, expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), or a model ({}){}",
-                  format.name, model_extensions(), conversion(format.use)));
+      fmt::format("is {}, expected a scene of Mitsuba or Nori (.xml) or of pbrt ({}), or a model ({}){}", format.name,
+                  fmt::join(kPbrtExtensions, ", "), model_extensions(), conversion(format.use)));
 }
 
 /// Makes file meshes drop faces that refer to missing vertices.

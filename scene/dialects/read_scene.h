@@ -7,7 +7,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,14 @@ struct ReadOptions {
   /// Replaces the shutter of the scene. For models, its times are relative to `moment.time`.
   std::optional<ShutterDescription> shutter;
 };
+
+/// A dialect of scene files.
+struct SceneDialect {
+  const char* name;
+  std::vector<std::string_view> extensions;  ///< with their dots
+};
+
+std::span<const SceneDialect> scene_dialects();
 
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba
 /// 0.6 to 3 (`sensor`, `version`), chosen by content. Files of the formats of scene/formats/model_formats.h are models:

@@ -41,7 +41,7 @@ TEST_CASE("version: -v lists the libraries, the image formats and the optional p
   for (const char* const library :
        {"libjpeg-turbo ", "Embree ", "oneTBB 20", "OpenEXR 3.", "xsimd ", "libtiff 4.", "libwebp 1.", "fmt "})
     CHECK(contains(details, library));
-  CHECK(contains(details, "\nimages: OpenEXR, PNG, JPEG, TIFF; read only: WebP, Radiance (.hdr), BMP, "));
+  CHECK(contains(details, "\nimages: OpenEXR, PNG, JPEG, TIFF; read only: WebP, Radiance HDR, BMP, "));
   CHECK(contains(details, "\nOpenColorIO by sheaf_color_io.so ("));
   CHECK(contains(details, " models by sheaf_import_model ("));
   CHECK(run(folder, "render --verbose --version").out == details);

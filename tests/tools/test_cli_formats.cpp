@@ -1,12 +1,17 @@
 // Unsupported, empty and malformed files for every command that reads a file.
 #include "core/image/exr.h"
 #include "core/image/image.h"
+#include "core/io/version.h"
+#include "scene/formats/model_formats.h"
+#include "scene/formats/model_import.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <vector>
 
@@ -155,6 +160,46 @@ TEST_CASE("formats: empty and malformed files are errors") {
   const std::string png = read_bytes(workplace.folder / "image.png");
   write_bytes(workplace.folder / "c.png", png.substr(0, png.size() / 2));
   workplace.check_refused("compare c.png c.png", "c.png", "cannot read the image");
+}
+
+TEST_CASE("formats: info lists all formats that the program reads and writes") {
+  const Workplace workplace;
+  const std::string text = run(workplace.folder, "info --formats").out;
+  const nlohmann::json json = nlohmann::json::parse(run(workplace.folder, "info --formats --json").out);
+  CHECK(json["version"] == kSheafVersion);
+  CHECK(std::count(text.begin(), text.end(), '\n') == static_cast<std::ptrdiff_t>(json["formats"].size()));
+  for (const char* const line :
+       {"scene       Mitsuba (.xml)\n", "scene       pbrt (.pbrt, .pbrt.gz)\n", "model       glTF model (.gltf)\n",
+        "model       STL model (.stl)\n", "image       OpenEXR (.exr), also written, by OpenEXR\n",
+        "image       JPEG (.jpg, .jpeg), also written, by libjpeg-turbo\n", "image       TGA (.tga)\n",
+        "image       WebP (.webp), by libwebp\n", "asset       NanoVDB file (.nvdb)\n",
+        "asset       Mitsuba volume (.vol)\n", "asset       spectrum (.spd)\n"})
+    CHECK_MESSAGE(contains(text, line), line);
+  for (const ModelFormat& model : model_formats()) CHECK(contains(text, model.known.extensions[0]));
+  // Images are written in exactly these formats
+  for (const nlohmann::json& format : json["formats"]) {
+    const std::string kind = format["kind"], reader = format["reader"];
+    for (const std::string extension : format["extensions"]) {
+      CAPTURE(extension);
+      const Outcome written = run(workplace.folder, "convert image.exr -q -o out" + extension);
+      CHECK(written.code == (format["written"] ? 0 : 2));
+    }
+    CHECK(format["available"] == (reader != kModelImporter || can_import_models()));
+    CHECK((kind == "image" || !format["written"]));
+  }
+  // A program alone, without the importer
+  std::filesystem::copy_file(SHEAF_EXECUTABLE, workplace.folder / "alone");
+  REQUIRE(std::system(("cd '" + workplace.folder.path().string() + "' && ./alone info --formats >alone.txt").c_str()) ==
+          0);
+  CHECK(contains(read_bytes(workplace.folder / "alone.txt"), "FBX model (.fbx), by sheaf_import_model (missing)\n"));
+  // A scene or --formats
+  for (const auto& [arguments, message] : {std::pair{"info", "scene is required"},
+                                           {"info --json", "scene is required"},
+                                           {"info --formats image.exr", "--formats takes no scene"}}) {
+    const Outcome outcome = run(workplace.folder, arguments);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, message));
+  }
 }
 
 }  // namespace sheaf::test_cli_formats

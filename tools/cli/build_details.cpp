@@ -24,7 +24,7 @@ std::string build_details() {
   std::string libraries, written, read;
   for (const ImageFormat& format : image_formats()) {
     if (!format.library.empty()) libraries += fmt::format("{} {}, ", format.library, format.version());
-    (format.is_written ? written : read) += fmt::format(", {}", format.name);
+    (format.written ? written : read) += fmt::format(", {}", format.name);
   }
   return fmt::format(
       "libraries: {}{}\n"

@@ -1,5 +1,5 @@
 // sheaf info: contents and bounds of a scene file, and the memory for loading and rendering it; or the header of an
-// OpenEXR file.
+// OpenEXR file; or the formats of files that this build reads.
 #include "core/image/exr.h"
 #include "core/io/memory.h"
 #include "kernels/render/render_memory.h"
@@ -27,7 +27,7 @@ namespace {
 
 struct InfoArguments {
   std::string scene;
-  bool json = false;
+  bool formats = false, json = false;
   ReadArguments read;
 };
 
@@ -219,12 +219,20 @@ void add_info_command(Command& program, int& exit_code) {
                           "Print the contents and bounds of a scene file, the bounds of its grids, and the memory "
                           "for loading and rendering it; or print the header of an OpenEXR file.");
   command.add_option("scene", arguments->scene, "Scene file, or image (.exr); - reads a scene from the standard input")
-      .required()
       .file();
   command.begin_group(kOutputOptions);
+  command.add_flag("--formats", arguments->formats, "Print the file formats that this build reads and writes");
   command.add_flag("--json", arguments->json, "Print the same as JSON");
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
+    exit_code = 0;
+    if (arguments->formats == !arguments->scene.empty())
+      throw Error(ExitCode::kUsage, arguments->formats ? "--formats takes no scene" : "scene is required");
+    if (arguments->formats) {
+      const std::vector<ListedFormat> formats = file_formats();
+      std::fputs((arguments->json ? info_json(formats) : describe(formats)).c_str(), stdout);
+      return;
+    }
     StandardStreams streams;
     arguments->scene = streams.read_scene(arguments->scene);
     arguments->read.from_working_folder = streams.has_scene();
@@ -234,7 +242,6 @@ void add_info_command(Command& program, int& exit_code) {
       const std::string text =
           arguments->json ? info_json(header, arguments->scene) : printable(describe(header, arguments->scene));
       std::fputs(text.c_str(), stdout);
-      exit_code = 0;
       return;
     }
     Description description = read_scene(arguments->scene, read_options(arguments->scene, arguments->read));
@@ -248,7 +255,6 @@ void add_info_command(Command& program, int& exit_code) {
     const std::string text =
         arguments->json ? info_json(description, *scene, report) : printable(describe(description, *scene, report));
     std::fputs(text.c_str(), stdout);
-    exit_code = 0;
   });
 }
 

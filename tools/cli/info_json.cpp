@@ -1,6 +1,7 @@
 #include "tools/cli/info_json.h"
 
 #include "core/io/memory.h"
+#include "core/io/version.h"
 #include "kernels/render/render_memory.h"
 #include "scene/dialects/common/setting_names.h"
 
@@ -108,6 +109,18 @@ std::string info_json(const ExrHeader& header, const std::string& file) {
                   {"display_window", rect_json(header.frame)},
                   {"channels", channels},
                   {"attributes", attributes}});
+}
+
+std::string info_json(const std::vector<ListedFormat>& formats) {
+  InfoJson list = InfoJson::array();
+  for (const ListedFormat& format : formats)
+    list.push_back({{"kind", format.kind},
+                    {"name", format.name},
+                    {"extensions", format.extensions},
+                    {"written", format.is_written},
+                    {"reader", format.reader.empty() ? "sheaf" : format.reader},
+                    {"available", format.is_available}});
+  return text_of({{"version", kSheafVersion}, {"formats", list}});
 }
 
 }  // namespace sheaf

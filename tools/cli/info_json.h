@@ -4,6 +4,7 @@
 #include "core/image/exr.h"
 #include "scene/compile/compile.h"
 #include "scene/description.h"
+#include "tools/cli/file_formats.h"
 
 #include <string>
 
@@ -15,5 +16,8 @@ std::string info_json(const Description& description, const Scene& scene, const 
 
 /// The header of an OpenEXR file as a JSON object.
 std::string info_json(const ExrHeader& header, const std::string& file);
+
+/// The version of Sheaf and the formats as a JSON object.
+std::string info_json(const std::vector<ListedFormat>& formats);
 
 }  // namespace sheaf

@@ -1,6 +1,6 @@
 #include "tools/job/image_files.h"
 
-#include "core/image/image_encoding.h"
+#include "core/image/image_formats.h"
 #include "core/io/error.h"
 #include "core/io/name_table.h"
 #include "core/io/output_file.h"
@@ -24,32 +24,20 @@ std::string extension_of(const fs::path& path) {
 
 namespace {
 
-enum class OutputFormat { kExr, kPng, kJpeg, kTiff };
-constexpr NameTable<OutputFormat> kExtensions{{{".exr", OutputFormat::kExr},
-                                               {".png", OutputFormat::kPng},
-                                               {".jpg", OutputFormat::kJpeg},
-                                               {".jpeg", OutputFormat::kJpeg},
-                                               {".tif", OutputFormat::kTiff},
-                                               {".tiff", OutputFormat::kTiff}}};
-
-/// The format of an output image, by its name. Throws Error (exit code 2).
-OutputFormat output_format(const fs::path& path) {
-  if (const OutputFormat* format = kExtensions.find(extension_of(path))) return *format;
-  throw Error(ExitCode::kUsage, fmt::format("the name of the output image '{}' must end in {}", path.string(),
-                                            one_of(kExtensions.names())));
-}
-
-IntegerFormat integer_format(OutputFormat format) {
-  switch (format) {
-    case OutputFormat::kJpeg:
-      return IntegerFormat::kJpeg;
-    case OutputFormat::kTiff:
-      return IntegerFormat::kTiff;
-    case OutputFormat::kExr:
-    case OutputFormat::kPng:
-      break;
+/// The format of an output image, by its name; nullopt for OpenEXR. Throws Error (exit code 2).
+std::optional<IntegerFormat> output_format(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  std::vector<std::string> known{".exr"};
+  if (extension == known.front()) return std::nullopt;
+  for (const ImageFormat& format : image_formats()) {
+    if (!format.written) continue;
+    for (const std::string_view written : format.extensions) {
+      if (extension == written) return format.written;
+      known.emplace_back(written);
+    }
   }
-  return IntegerFormat::kPng;
+  throw Error(ExitCode::kUsage,
+              fmt::format("the name of the output image '{}' must end in {}", path.string(), one_of(known)));
 }
 
 }  // namespace
@@ -88,9 +76,8 @@ void check_is_image(const fs::path& file) {
     return;
   }
   if (format.use == FileUse::kUnknown) return;
-  throw SceneError(
-      SourceLocation{file.string(), 0},
-      fmt::format("is {}, expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, WebP, TGA or BMP", format.name));
+  throw SceneError(SourceLocation{file.string(), 0},
+                   fmt::format("is {}, expected an image: {}", format.name, list_image_formats()));
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {
@@ -130,15 +117,15 @@ Image displayed_image(const Image& image, const OutputSettings& settings, std::o
 
 void write_image(const fs::path& file, const Image& image, const ExrMetadata& metadata, const OutputSettings& settings,
                  const std::function<const Image&()>& display) {
-  const OutputFormat format = output_format(file);
-  if (format == OutputFormat::kExr) {
+  const std::optional<IntegerFormat> format = output_format(file);
+  if (!format) {
     ExrMetadata stored = metadata;
     stored.compression = settings.compression;
     stored.dwa_level = settings.dwa_level;
     return write_exr(file, image, stored);
   }
   IntegerEncoding encoding;
-  encoding.format = integer_format(format);
+  encoding.format = *format;
   encoding.quality = settings.jpeg_quality;
   encoding.description = interruption(metadata.attributes);
   write_encoded_image(file, display(), encoding);
