@@ -48,7 +48,10 @@ BinaryInput::BinaryInput(const std::filesystem::path& file, std::string_view fir
   if (error || !stream_) fail("cannot be read");
   std::string line(first_line.size(), '\0');
   stream_.read(line.data(), static_cast<std::streamsize>(line.size()));
-  if (!stream_ || line != first_line) fail("was written by another version of Sheaf");
+  if (!stream_ || line != first_line) {
+    const std::string_view kind = first_line.substr(0, first_line.rfind(' '));
+    fail(line.starts_with(kind) ? "was written by another version of Sheaf" : fmt::format("is not a {}", kind));
+  }
   if (size < line.size() + sizeof(std::uint32_t)) fail("is truncated");
   left_ = size - line.size() - sizeof(std::uint32_t);
   check(size - sizeof(std::uint32_t));

@@ -43,7 +43,8 @@ class BinaryOutput {
 /// Reads a file of BinaryOutput. All failures throw Error (exit code 5) that names the file.
 class BinaryInput {
  public:
-  /// Throws if the file cannot be read, begins with another line, or fails its checksum.
+  /// Throws if the file cannot be read, begins with another line, or fails its checksum. The last word of the line is
+  /// the number of the layout.
   BinaryInput(const std::filesystem::path& file, std::string_view first_line);
 
   template <class T> T get() {

@@ -4,12 +4,14 @@
 #include "kernels/film/film_file.h"
 
 #include <array>
+#include <cstring>
+#include <fstream>
 
 namespace sheaf {
 
 namespace {
 
-constexpr std::string_view kFirstLine = "sheaf checkpoint 3\n";
+constexpr std::string_view kFirstWords = "sheaf checkpoint ", kFirstLine = "sheaf checkpoint 3\n";
 /// Maximum number of settings: far beyond any command line.
 constexpr std::uint32_t kMaxSettings = 100'000;
 /// Maximum number of differences that a message lists.
@@ -65,6 +67,30 @@ void check_settings(const BinaryInput& in, const RecordedSettings& here, const R
   if (!text.empty()) in.fail("is a checkpoint of another render: " + text);
 }
 
+/// The version of Sheaf that wrote a checkpoint, which may have another layout; empty for other files.
+std::string writer_of(const std::filesystem::path& file) {
+  std::array<char, 256> bytes{};
+  std::ifstream(file, std::ios::binary).read(bytes.data(), bytes.size());
+  const std::string_view text(bytes.data(), bytes.size()), name = kVersionSetting;
+  // The first line, the number of settings, and the first of them: both its texts follow their lengths
+  const std::size_t length_at = text.find(name) + name.size();
+  std::uint32_t length = 0;
+  if (!text.starts_with(kFirstWords) || length_at < name.size() || length_at > text.size() / 2) return "";
+  std::memcpy(&length, &text[length_at], sizeof length);
+  return std::string(text.substr(length_at + sizeof length, std::min<std::uint32_t>(length, 32)));
+}
+
+/// Rejects checkpoints of other versions of Sheaf.
+void check_version(const std::filesystem::path& file, const RecordedSettings& here) {
+  const std::string *const version = find(here, kVersionSetting), writer = writer_of(file);
+  if (version == nullptr || writer.empty() || writer == *version) return;
+  throw Error(
+      ExitCode::kCheckpoint, {file.string(), 0},
+      fmt::format("was written by Sheaf {0}, but this is Sheaf {1}: finish the render with Sheaf {0}, or delete "
+                  "the file to begin again",
+                  writer, *version));
+}
+
 /// The numbers of a division in the order of the file.
 std::array<std::uint32_t, 6> numbers_of(const SampleDivision& d) {
   return {d.spp, d.replicate_samples, d.half_samples, d.max_pass_samples, d.range.first, d.range.count};
@@ -105,6 +131,7 @@ void write_checkpoint(const std::filesystem::path& file, const RecordedSettings&
 }
 
 RenderState read_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings) {
+  check_version(file, settings);
   BinaryInput in(file, kFirstLine);
   check_settings(in, settings, get_settings(in));
   RenderState state;

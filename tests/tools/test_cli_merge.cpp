@@ -281,7 +281,7 @@ TEST_CASE("damaged and inconsistent parts are errors") {
   with("sheaf/samples", "4294967295:4294967295", "invalid sample range");
   with("sheaf/samples", "many", "invalid sample range");
   with("sheaf/samplesPerPixel", "16", "lacks the number of samples per pixel");
-  with("sheaf/version", "0.0.1", "Sheaf's version is '0.0.1'");
+  with("sheaf/version", "0.0.1", "was rendered by Sheaf 0.0.1");
   with("sheaf/droppedRays", "none", "'sheaf/droppedRays' in the header is not a number");
   for (const std::string& layer : {std::string("sampleCount"), std::string("part.weight"), std::string("part.cross.R"),
                                    std::string("part.object.number0")}) {

@@ -2,6 +2,7 @@
 
 #include "core/io/error.h"
 #include "core/io/inflate.h"
+#include "core/io/version.h"
 #include "kernels/film/aovs.h"
 #include "tools/job/interrupted_image.h"
 
@@ -21,9 +22,8 @@ constexpr const char* kSamplesPerPixel = "sheaf/samplesPerPixel";
 constexpr const char* kIsa = "sheaf/isa";
 constexpr std::uint32_t kMaxSamples = 1u << 24;
 
-/// Attributes that all parts of a render share.
-constexpr std::array<std::pair<const char*, const char*>, 5> kSame = {{{"sheaf/version", "Sheaf's version"},
-                                                                       {"sheaf/seed", "the seed"},
+/// Attributes that all parts of a render share, besides the version.
+constexpr std::array<std::pair<const char*, const char*>, 4> kSame = {{{"sheaf/seed", "the seed"},
                                                                        {"sheaf/integrator", "the integrator"},
                                                                        {"sheaf/sampler", "the sampler"},
                                                                        {"sheaf/color", "the color mode"}}};
@@ -132,6 +132,10 @@ PartFile make_part(const std::string& source, const PixelRect& frame, const Pixe
   file.metadata = std::move(metadata);
   if (file.text(kSettings).empty())
     throw SceneError(where, "is not a part of an image, expected a file rendered with --samples or --crop");
+  if (const std::string version = file.text(kVersionAttribute); version != kSheafVersion)
+    throw SceneError(where, fmt::format("was rendered by Sheaf {0}, but this is Sheaf {1}: merge the parts with Sheaf "
+                                        "{0}, or render them again",
+                                        version, kSheafVersion));
   // Read the windows.
   const auto beyond = [](const PixelRect& rect) {
     return std::abs(static_cast<long long>(rect.x0)) > kMaxImageSide ||
