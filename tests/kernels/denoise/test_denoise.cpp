@@ -146,6 +146,46 @@ TEST_CASE("fireflies leave no blotches and features present in both halves survi
   }
 }
 
+/// Adds a bright sample of one half under the pixel filter, which covers 3 x 3 pixels.
+void add_splat(Image& image, int x, int y, float excess) {
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i)
+      for (int c = 0; c < 3; ++c) {
+        const float part = excess * (i == 0 ? 1.0f : 0.5f) * (j == 0 ? 1.0f : 0.5f);
+        image.at(x + i, y + j, c) += part / 2;
+        image.at(x + i, y + j, 7 + c) += part;
+        image.at(x + i, y + j, 3 + c) += sqr(part / 2);
+      }
+}
+
+TEST_CASE("an isolated splat leaves no disc") {
+  constexpr int kSize = 48;
+  const Image quiet = noisy_image(kSize, kSize, true, false);
+  Image spiked = quiet;
+  add_splat(spiked, 14, 24, 20);
+  add_splat(spiked, 14, 17, 3);  // a smaller one, and no company
+  const Image image = denoise(spiked, Denoiser::kNlMeans).image, expected = denoise(quiet, Denoiser::kNlMeans).image;
+  const int out = image.find_channel("denoised.G");
+  for (int y = 4; y < kSize - 4; ++y)
+    for (int x = 4; x < kSize / 2 - 2; ++x) CHECK(std::abs(image.at(x, y, out) - expected.at(x, y, out)) < 0.03f);
+}
+
+TEST_CASE("splats in company are kept, as they estimate light that few paths find") {
+  constexpr int kSize = 64;
+  Image spiked = noisy_image(kSize, kSize, true, false);
+  double before = 0, after = 0;
+  for (int y = 4; y < kSize - 4; y += 8)
+    for (int x = 4; x < kSize - 4; x += 8) add_splat(spiked, x, y, 4);
+  const Image image = denoise(spiked, Denoiser::kNlMeans).image;
+  const int out = image.find_channel("denoised.G");
+  for (int y = 16; y < kSize - 16; ++y)
+    for (int x = 16; x < kSize - 16; ++x) {
+      before += spiked.at(x, y, 1) - true_value(x, y, kSize);
+      after += image.at(x, y, out) - true_value(x, y, kSize);
+    }
+  CHECK(after > 0.8 * before);
+}
+
 TEST_CASE("a firefly is detected by its variance without half buffers") {
   Planes3 color, variance;
   for (std::size_t c = 0; c < 3; ++c) {
