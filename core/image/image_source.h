@@ -13,8 +13,8 @@ namespace sheaf {
 /// Random access to the bytes of an image file.
 class ImageSource {
  public:
-  explicit ImageSource(const std::filesystem::path& file)
-      : path_(file), size_(std::filesystem::file_size(file)), stream_(file, std::ios::binary) {}
+  /// Throws SceneError if the file cannot be opened.
+  explicit ImageSource(const std::filesystem::path& file);
   /// `image` must outlive the object.
   explicit ImageSource(const EncodedImage& image) : path_(image.name), size_(image.bytes.size()), memory_(&image) {}
 
@@ -23,8 +23,8 @@ class ImageSource {
   /// The image in memory; null for files.
   const EncodedImage* memory() const { return memory_; }
   std::uint64_t size() const { return size_; }
-  /// Reads the bytes from `at` on. Bytes beyond the end become 0.
-  void read(std::uint64_t at, std::span<unsigned char> out);
+  /// Reads the bytes from `at` on. Bytes beyond the end become 0. Returns false if the file can no longer be read.
+  bool read(std::uint64_t at, std::span<unsigned char> out);
 
  private:
   std::filesystem::path path_;
@@ -45,7 +45,7 @@ class ImageStream {
     next_ = filled_ = 0;
     end_ = position;
   }
-  /// Returns whether there are as many bytes.
+  /// Returns false if there are fewer bytes, or if the file can no longer be read.
   bool read(std::span<unsigned char> out);
   /// The next byte, or -1 at the end.
   int get() { return next_ < filled_ || fill() ? buffer_[next_++] : -1; }

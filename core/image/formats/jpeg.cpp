@@ -73,10 +73,11 @@ class JpegSource : public jpeg_source_mgr {
 
  private:
   boolean fill(j_decompress_ptr info) {
-    if (at_ >= file_.size()) jump_after_jpeg_error(reinterpret_cast<j_common_ptr>(info), kImageEndsEarly);
-    bytes_in_buffer = static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size(), file_.size() - at_));
+    const std::uint64_t left = file_.size() - std::min(at_, file_.size());
+    bytes_in_buffer = static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size(), left));
     next_input_byte = buffer_.data();
-    file_.read(at_, {buffer_.data(), bytes_in_buffer});
+    if (left == 0 || !file_.read(at_, {buffer_.data(), bytes_in_buffer}))
+      jump_after_jpeg_error(reinterpret_cast<j_common_ptr>(info), kImageEndsEarly);
     at_ += bytes_in_buffer;
     return TRUE;
   }

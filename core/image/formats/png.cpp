@@ -43,7 +43,7 @@ bool has_whole_chunks(ImageSource& source) {
   for (std::uint64_t at = kSignature; at < source.size();) {
     if (source.size() - at < kAround) return false;
     std::array<unsigned char, 8> head{};
-    source.read(at, head);
+    if (!source.read(at, head)) return false;
     std::uint32_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8 | head[i];
     if (length > source.size() - at - kAround) return false;
@@ -77,8 +77,8 @@ class PngReader final : public IntegerReader {
  private:
   static void read_bytes(png_structp png, png_bytep out, std::size_t size) {
     PngReader& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
-    if (size > reader.source_.size() - reader.at_) png_error(png, kImageEndsEarly);
-    reader.source_.read(reader.at_, {out, size});
+    if (size > reader.source_.size() - reader.at_ || !reader.source_.read(reader.at_, {out, size}))
+      png_error(png, kImageEndsEarly);
     reader.at_ += size;
   }
 
