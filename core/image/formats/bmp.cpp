@@ -37,9 +37,9 @@ class BmpReader final : public IntegerReader {
     const std::int64_t width = side(0), height = side(1);
     bits_ = static_cast<int>(is_old ? number(24, 2) : number(28, 2));
     compression_ = is_old ? kUncompressed : number(30, 4);
-    if (!is_old && (header_size > 40 || compression_ == kMasks))
-      for (std::size_t c = 0; c < 3; ++c) masks_[c] = number(54 + 4 * c, 4);
-    if (masks_[0] == 0 || masks_[1] == 0 || masks_[2] == 0) masks_ = {0x7c00, 0x3e0, 0x1f};
+    if (bits_ == 32) masks_ = {0xff0000, 0xff00, 0xff, 0xff000000};
+    if (compression_ == kMasks)
+      for (std::size_t c = 0; c < 4; ++c) masks_[c] = c < 3 || header_size >= 56 ? number(54 + 4 * c, 4) : masks_[3];
     is_top_down_ = height < 0;
     if (!has_known_encoding(problem)) return false;
     if (bits_ <= 8 && !read_palette(kFileHeader + header_size, is_old ? 3 : 4, is_old ? 0 : number(46, 4))) {
@@ -62,6 +62,10 @@ class BmpReader final : public IntegerReader {
   bool has_known_encoding(std::string& problem) const {
     const bool is_known = bits_ == 1 || bits_ == 4 || bits_ == 8 || bits_ == 16 || bits_ == 24 || bits_ == 32;
     const bool is_plain = compression_ == kUncompressed || (compression_ == kMasks && bits_ >= 16);
+    if (compression_ == kMasks && (masks_[0] == 0 || masks_[1] == 0 || masks_[2] == 0)) {
+      problem = "a BMP color without bits";
+      return false;
+    }
     if (is_known && (is_plain || (is_run_length() && bits_ == (compression_ == kRunLength8 ? 8 : 4)))) return true;
     problem = fmt::format("unknown BMP encoding: compression {} with {} bits per pixel", compression_, bits_);
     return false;
@@ -110,14 +114,12 @@ class BmpReader final : public IntegerReader {
       const std::size_t in_byte = 8 / static_cast<std::size_t>(bits_),
                         shift = 8 - (x % in_byte + 1) * static_cast<std::size_t>(bits_);
       put_color(row[x / in_byte] >> shift & ((1u << bits_) - 1), pixel);
-    } else if (bits_ == 16) {
-      const std::uint32_t value = little_endian_number({row + 2 * x, 2});
-      for (std::size_t c = 0; c < 3; ++c) pixel[c] = masked(value, masks_[c]);
+    } else if (bits_ == 24) {
+      for (std::size_t c = 0; c < 3; ++c) pixel[c] = row[3 * x + 2 - c];
     } else {
-      const std::size_t bytes = header_.channels.size();
-      const unsigned char* const stored = row + bytes * x;
-      for (std::size_t c = 0; c < 3; ++c) pixel[c] = stored[2 - c];
-      if (bytes == 4) pixel[3] = stored[3];
+      const auto bytes = static_cast<std::size_t>(bits_ / 8);
+      const std::uint32_t value = little_endian_number({row + bytes * x, bytes});
+      for (std::size_t c = 0; c < header_.channels.size(); ++c) pixel[c] = masked(value, masks_[c]);
     }
   }
 
@@ -126,8 +128,9 @@ class BmpReader final : public IntegerReader {
     for (std::size_t c = 0; c < header_.channels.size(); ++c) pixel[c] = color[2 - c];
   }
 
-  /// The bits under a mask, repeated up to 8 bits.
+  /// The bits under a mask, repeated up to 8 bits. Without bits, alpha is opaque.
   static unsigned char masked(std::uint32_t value, std::uint32_t mask) {
+    if (mask == 0) return 255;
     const int low = std::countr_zero(mask), count = std::countr_one(mask >> low);
     const std::uint32_t bits = (value & mask) >> low;
     std::uint32_t result = 0;
@@ -188,8 +191,8 @@ class BmpReader final : public IntegerReader {
   int bits_ = 0;  ///< per pixel
   std::uint32_t compression_ = kUncompressed;
   bool is_top_down_ = false;
-  std::array<std::uint32_t, 3> masks_{};               ///< of red, green and blue in 16 bits
-  std::vector<std::array<unsigned char, 4>> palette_;  ///< blue, green and red
+  std::array<std::uint32_t, 4> masks_{0x7c00, 0x3e0, 0x1f, 0};  ///< of red, green, blue and alpha in 16 or 32 bits
+  std::vector<std::array<unsigned char, 4>> palette_;           ///< blue, green and red
 };
 
 }  // namespace

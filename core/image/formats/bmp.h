@@ -9,7 +9,8 @@
 namespace sheaf {
 
 /// Opens a BMP file of 1, 4, 8, 16, 24 or 32 bits per pixel, also run-length encoded. Palettes become colors, or gray
-/// if all 256 colors are gray. The fourth byte of 32 bits is alpha. On failure returns null and sets `problem`.
+/// if all colors of 8 bits are gray. Of 32 bits, the fourth byte is alpha, unless masks declare other bits. On failure
+/// returns null and sets `problem`.
 std::unique_ptr<ImageReader> open_bmp(ImageSource source, std::string& problem);
 
 }  // namespace sheaf

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 namespace sheaf {
@@ -33,13 +33,15 @@ int read_pnm_number(ImageStream& stream, int max = std::numeric_limits<int>::max
   return static_cast<int>(number);
 }
 
-/// Reads a float. Returns 0 if there is none.
+/// Reads a finite float. Returns 0 if there is none.
 float read_pnm_float(ImageStream& stream) {
   constexpr std::size_t kMaxLength = 40;
   skip_pnm_space(stream);
   std::string word;
   while (word.size() < kMaxLength && stream.peek() > ' ') word += static_cast<char>(stream.get());
-  return std::strtof(word.c_str(), nullptr);
+  float number = 0;
+  std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), word.data() + word.size(), number);
+  return std::isfinite(number) ? number : 0.0f;
 }
 
 /// Skips the white space after the header of a binary file: one character.

@@ -41,7 +41,7 @@ class TgaReader final : public IntegerReader {
       }
       pixels_at_ += palette_.size();
     }
-    std::vector<std::string> names = default_channel_names(kind_ != kGray && bits == 32 ? 4 : 3);
+    std::vector<std::string> names = default_channel_names((kind_ == kPalette ? head[7] : bits) == 32 ? 4 : 3);
     if (kind_ == kGray) names = {"Y"};
     if (kind_ == kGray && bits >= 16 && (attributes & kAlpha) != 0) names.emplace_back("A");
     is_from_right_ = (attributes & kFromRight) != 0;
@@ -51,7 +51,7 @@ class TgaReader final : public IntegerReader {
   }
 
  private:
-  enum Kind { kPalette = 1, kColor = 2, kGray = 3 };
+  enum Kind : int { kPalette = 1, kColor = 2, kGray = 3 };
   static constexpr int kAlpha = 0x08, kFromRight = 0x10, kFromTop = 0x20;
 
   bool is_known(int type, int bits, bool has_palette, int color_bits) const {

@@ -8,8 +8,8 @@
 
 namespace sheaf {
 
-/// Opens a TGA file: gray, colors of 16, 24 or 32 bits, or a palette; also run-length encoded. The fourth byte of 32
-/// bits is alpha, and colors are as stored. Gray of 16 bits has alpha if the header declares it. On failure returns
+/// Opens a TGA file: gray, colors of 16, 24 or 32 bits, or a palette; also run-length encoded. The fourth byte of a
+/// color is alpha, and colors are as stored. Gray of 16 bits has alpha if the header declares it. On failure returns
 /// null and sets `problem`.
 std::unique_ptr<ImageReader> open_tga(ImageSource source, std::string& problem);
 

@@ -48,7 +48,7 @@ class TiffInput {
     TiffInput& input = *static_cast<TiffInput*>(file);
     if (size <= 0 || input.at_ >= input.source_.size()) return 0;
     const auto count = std::min(static_cast<std::uint64_t>(size), input.source_.size() - input.at_);
-    input.source_.read(input.at_, {static_cast<unsigned char*>(out), static_cast<std::size_t>(count)});
+    if (!input.source_.read(input.at_, {static_cast<unsigned char*>(out), static_cast<std::size_t>(count)})) return 0;
     input.at_ += count;
     return static_cast<tmsize_t>(count);
   }
@@ -137,12 +137,14 @@ class TiffReader final : public ImageReader {
     }
   }
 
+  /// What prevents libtiff from converting the colors; null if nothing does.
   const char* unsupported_by_rgba() {
     char message[1024];
     if (TIFFRGBAImageOK(file_.get(), message) == 0 || samples_ > 4) return "unsupported colors";
     return nullptr;
   }
 
+  /// What prevents reading samples as they are; null if nothing does. Sets `kind_` and reads the palette.
   const char* unsupported_samples() {
     const auto format = field<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
     if (!find_kind(format)) return "unsupported samples";
@@ -154,25 +156,27 @@ class TiffReader final : public ImageReader {
     return nullptr;
   }
 
+  /// Finds the kind of samples; `format` is the tag SampleFormat. Returns whether it is supported.
   bool find_kind(std::uint16_t format) {
     const bool is_unsigned = format == SAMPLEFORMAT_UINT, is_signed = format == SAMPLEFORMAT_INT,
                is_float = format == SAMPLEFORMAT_IEEEFP;
-    if (bits_ == 8) {
-      kind_ = is_signed ? Samples::kInt8 : Samples::kUint8;
-    } else if (bits_ == 16) {
-      kind_ = is_unsigned ? Samples::kUint16 : is_signed ? Samples::kInt16 : Samples::kHalf;
-      return is_unsigned || is_signed || is_float;
-    } else if (bits_ == 32) {
-      kind_ = is_unsigned ? Samples::kUint32 : is_signed ? Samples::kInt32 : Samples::kFloat;
-      return is_unsigned || is_signed || is_float;
-    } else if (bits_ == 64) {
-      kind_ = Samples::kDouble;
-      return is_float;
-    } else {
-      kind_ = bits_ < 8 ? Samples::kPacked8 : Samples::kPacked16;
-      return is_unsigned && bits_ < 16;
+    switch (bits_) {
+      case 8:
+        kind_ = is_signed ? Samples::kInt8 : Samples::kUint8;
+        return !is_float;
+      case 16:
+        kind_ = is_unsigned ? Samples::kUint16 : is_signed ? Samples::kInt16 : Samples::kHalf;
+        return is_unsigned || is_signed || is_float;
+      case 32:
+        kind_ = is_unsigned ? Samples::kUint32 : is_signed ? Samples::kInt32 : Samples::kFloat;
+        return is_unsigned || is_signed || is_float;
+      case 64:
+        kind_ = Samples::kDouble;
+        return is_float;
+      default:
+        kind_ = bits_ < 8 ? Samples::kPacked8 : Samples::kPacked16;
+        return is_unsigned && bits_ > 0 && bits_ < 16;
     }
-    return true;
   }
 
   bool read_palette() {

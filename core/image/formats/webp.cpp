@@ -44,6 +44,7 @@ class WebpReader final : public IntegerReader {
       problem = "the WebP header is damaged";
       return false;
     }
+    riff_size_ = 8 + std::uint64_t{little_endian_number({&head[4], 4})};
     set_header(static_cast<int>(width), static_cast<int>(height), default_channel_names(has_alpha ? 4 : 3), 8);
     header_.decoder_bytes = 2;  // 4 bytes per pixel
     return true;
@@ -54,8 +55,8 @@ class WebpReader final : public IntegerReader {
     problem = kImageEndsEarly;
     std::vector<unsigned char> bytes;
     if (source_.memory() == nullptr) {
-      bytes.resize(static_cast<std::size_t>(source_.size()));
-      source_.read(0, bytes);
+      bytes.resize(static_cast<std::size_t>(std::min(source_.size(), riff_size_)));
+      if (!source_.read(0, bytes)) return false;
     }
     const std::vector<unsigned char>& all = source_.memory() == nullptr ? bytes : source_.memory()->bytes;
     const WebPData data{all.data(), all.size()};
@@ -87,6 +88,7 @@ class WebpReader final : public IntegerReader {
   }
 
   ImageSource source_;
+  std::uint64_t riff_size_ = 0;  ///< bytes that the header claims
 };
 
 }  // namespace

@@ -82,6 +82,40 @@ TEST_CASE("encoded images: colors of WebP files are not multiplied by alpha") {
   CHECK(read_stored_image(encoded(webp_bytes(1, 1, {9, 9, 9, 0}))).bytes[3] == 0);
 }
 
+TEST_CASE("encoded images: the first frame of a WebP animation lies on transparent black") {
+  const std::string frame = webp_bytes(3, 2, kRgba).substr(12);  // its chunk
+  const auto chunk = [](const std::string& name, const std::string& data) {
+    std::string bytes = name;
+    append_little(bytes, static_cast<std::uint32_t>(data.size()), 4);
+    return bytes + data;
+  };
+  const auto animation = [&](char flags, int width) {
+    const std::string size{static_cast<char>(width - 1), 0, 0, 3, 0, 0};  // x 4
+    const std::string place("\1\0\0\1\0\0\2\0\0\1\0\0\x20\0\0\0", 16);    // at 2, 2: 3 x 2 pixels
+    std::string bytes = "WEBP" + chunk("VP8X", std::string{flags, 0, 0, 0} + size) +
+                        chunk("ANIM", std::string(6, '\0')) + chunk("ANMF", place + frame) +
+                        chunk("ANMF", place + frame);
+    return chunk("RIFF", bytes);
+  };
+  const StoredImage image = read_stored_image(encoded(animation(0x12, 6)));
+  CHECK(image.channels.size() == 4);
+  REQUIRE(image.bytes.size() == 6 * 4 * 4);
+  for (std::size_t y = 0; y < 4; ++y)
+    for (std::size_t x = 0; x < 6; ++x)
+      for (std::size_t c = 0; c < 4; ++c) {
+        const bool is_inside = x >= 2 && x < 5 && y >= 2;
+        const int expected = is_inside ? kRgba[((y - 2) * 3 + x - 2) * 4 + c] : 0;
+        CHECK(std::abs(int{image.bytes[(y * 6 + x) * 4 + c]} - expected) <= 1);
+      }
+  // Frames beyond the canvas, and files that end after the first header
+  CHECK(contains(error_of(animation(0x12, 4)), "ends too early"));
+  CHECK(contains(error_of(animation(0x12, 6).substr(0, 60)), "ends too early"));
+  // Bytes after the end of the file do not count
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.webp", animation(0x12, 6) + std::string(1000, 'x'));
+  CHECK(read_stored_image(folder / "a.webp").bytes == image.bytes);
+}
+
 TEST_CASE("encoded images: large WebP images of one color are valid") {
   std::vector<int> values;
   for (int i = 0; i < 1024 * 1024; ++i) values.insert(values.end(), {128, 128, 255, 255});

@@ -71,10 +71,43 @@ TEST_CASE("BMP: palettes, masks and alpha") {
   CHECK(read("a", bmp(2, 1, 16, 0, "", "\x1f\x7c\x10\x00"s)).bytes == Bytes{255, 0, 255, 0, 0, 132});
   const std::string masks("\0\xf8\0\0\xe0\7\0\0\x1f\0\0\0", 12);  // 5, 6 and 5 bits
   CHECK(read("a", bmp(2, 1, 16, 3, masks, "\xe0\x07\x20\x08"s)).bytes == Bytes{0, 255, 0, 8, 4, 0});
+  CHECK(read("a", bmp(2, 1, 24, 0, "", "\1\2\3\4\5\6\0\0"s)).bytes == Bytes{3, 2, 1, 6, 5, 4});
   CHECK(read("a", bmp(1, 1, 32, 0, "", "\1\2\3\4"s)).bytes == Bytes{3, 2, 1, 4});
   CHECK(contains(error_of("a", bmp(1, 1, 24, 4, "", "\1\2\3\4"s)), "unknown BMP encoding: compression 4 with 24 bits"));
   CHECK(contains(error_of("a", bmp(1, 1, 8, 0, "", ""s, 300)), "ends too early"));
   CHECK(contains(error_of("a", bmp(1, 2, 32, 0, "", "\1\2\3\4"s)), "ends too early"));
+}
+
+TEST_CASE("BMP: masks of 32 bits, and headers of other sizes") {
+  const std::string reversed("\xff\0\0\0\0\xff\0\0\0\0\xff\0", 12);  // red in the lowest byte
+  const std::string pixel = "\1\2\3\4"s;
+  CHECK(read("a", bmp(1, 1, 32, 3, reversed, pixel)).bytes == Bytes{1, 2, 3, 4});
+  const std::string ten_bits("\0\0\xf0\x3f\0\xfc\x0f\0\xff\3\0\0", 12);
+  CHECK(read("a", bmp(1, 1, 32, 3, ten_bits, "\xff\xfb\xff\x1f"s)).bytes[2] == 255);
+  CHECK(read("a", bmp(1, 1, 32, 3, ten_bits, "\xff\3\0\0"s)).bytes == Bytes{0, 0, 255, 0});
+  CHECK(contains(error_of("a", bmp(1, 1, 32, 3, std::string(12, '\0'), pixel)), "a BMP color without bits"));
+  // Headers from 56 bytes on have a mask of alpha; masks count only if the compression says so
+  const auto longer = [&](std::uint32_t size, std::uint32_t compression, std::uint32_t bits, const std::string& masks,
+                          const std::string& pixels) {
+    std::string bytes = bmp(1, 1, bits, compression, masks + std::string(size - 40 - masks.size(), '\x7f'), pixels);
+    bytes[14] = static_cast<char>(size);
+    return read("a", bytes).bytes;
+  };
+  const std::string opaque("\0\0\0\0", 4), low_alpha("\1\0\0\0", 4);
+  for (const std::uint32_t size : {56u, 108u, 124u}) {
+    CAPTURE(size);
+    CHECK(longer(size, 3, 32, reversed + opaque, pixel) == Bytes{1, 2, 3, 255});
+    CHECK(longer(size, 3, 32, reversed + low_alpha, pixel) == Bytes{1, 2, 3, 255});
+    CHECK(longer(size, 0, 32, reversed + opaque, pixel) == Bytes{3, 2, 1, 4});
+    CHECK(longer(size, 0, 16, reversed + opaque, "\x1f\x7c\0\0"s) == Bytes{255, 0, 255});
+  }
+  CHECK(longer(52, 3, 32, reversed, pixel) == Bytes{1, 2, 3, 4});
+  std::string unknown = bmp(1, 1, 24, 0, "", pixel);
+  unknown[14] = 41;
+  CHECK(contains(error_of("a", unknown), "unknown BMP header of 41 bytes"));
+  // OS/2: sizes of 16 bits, and a palette of 3 bytes per color
+  std::string old = "BM" + std::string(8, '\0') + "\x20\0\0\0\x0c\0\0\0\2\0\2\0\1\0\1\0"s;
+  CHECK(read("a", old + "\1\2\3\4\5\6" + "\x40\0\0\0\x80\0\0\0"s).bytes == Bytes{6, 5, 4, 3, 2, 1, 3, 2, 1, 6, 5, 4});
 }
 
 TEST_CASE("BMP: run-length encoding") {
@@ -92,6 +125,10 @@ TEST_CASE("BMP: run-length encoding") {
   }
   CHECK(contains(error_of("a", bmp(6, 2, 8, 1, kTwoColors, "\2\1"s, 2)), "ends too early"));
   CHECK(contains(error_of("a", bmp(6, 1, 8, 1, kTwoColors, "\0\0\2\1\0\1"s, 2)), "cannot read the image"));
+  // Rows are stored from the bottom even if the height is negative; runs and literals end at the edge of the image
+  CHECK(indices(read("a", bmp(2, -2, 8, 1, kTwoColors, "\2\1\0\0\2\0\0\1"s, 2))) == "0011");
+  CHECK(indices(read("a", bmp(2, 2, 8, 1, kTwoColors, "\xff\1\0\0\0\4\1\1\1\1\0\1"s, 2))) == "1111");
+  CHECK(contains(error_of("a", bmp(6, 2, 4, 1, kTwoColors, "\0\1"s, 2)), "compression 1 with 4 bits"));
 }
 
 TEST_CASE("TGA: depths, palettes, directions and runs") {
@@ -113,6 +150,25 @@ TEST_CASE("TGA: depths, palettes, directions and runs") {
   CHECK(read("a.tga", palette).bytes == Bytes{6, 5, 4, 3, 2, 1});
   palette.back() = 12;
   CHECK(contains(error_of("a.tga", palette), "cannot read the image"));
+  // Pixels of two bytes, a run across rows, an image without a color map, and one with a name before it
+  std::string indexed = tga(9, 16, 2, 2, kTop, "\x10\x20\x30\x40\x50\x60\x70\x80\x82\1\0\0\0\0"s);
+  indexed[1] = 1;
+  indexed[5] = 2;
+  indexed[7] = 32;
+  const StoredImage colors = read("a.tga", indexed);
+  CHECK(colors.channels == std::vector<std::string>{"R", "G", "B", "A"});
+  CHECK(colors.bytes ==
+        Bytes{0x70, 0x60, 0x50, 0x80, 0x70, 0x60, 0x50, 0x80, 0x70, 0x60, 0x50, 0x80, 0x30, 0x20, 0x10, 0x40});
+  std::string named = tga(2, 24, 1, 1, kTop, "name\1\2\3\4\5\6\7\x08\x09");
+  named[0] = 4;
+  named[1] = 1;
+  named[5] = 2;
+  named[7] = 24;
+  CHECK(read("a.tga", named).bytes == Bytes{9, 8, 7});
+  CHECK(contains(error_of("a.tga", named.substr(0, 25)), "ends too early"));
+  for (const int type : {0, 4, 8, 12, 32, 33})
+    CHECK(contains(error_of("a.tga", tga(type, 24, 1, 1, 0, "abc")), "unknown TGA encoding"));
+  CHECK(contains(error_of("a.tga", "short"), "ends too early"));
   CHECK(contains(error_of("a.tga", tga(2, 8, 1, 1, 0, "x")), "unknown TGA encoding: type 2 with 8 bits"));
   CHECK(contains(error_of("a.tga", tga(3, 8, 2, 2, 0, "\1\2\3")), "ends too early"));
   CHECK(contains(error_of("a.tga", tga(11, 8, 3, 2, 0, "\x81\5\3\1")), "ends too early"));
@@ -125,6 +181,10 @@ TEST_CASE("PBM, PGM and PPM: text and binary, scaled to the largest value") {
   CHECK(read("a", "P3\n1 1\n255\n1 2 3").bytes == Bytes{1, 2, 3});
   CHECK(read("a", "P5 2 1 100\n\x32\x64"s).bytes == Bytes{127, 255});
   CHECK(read("a", "P6 1 1 65535\n\xff\xff\x80\0\0\1"s).floats == Floats{1, 0x8000 * (1 / 65535.0f), 1 / 65535.0f});
+  CHECK(read("a", "P4 9 2 \x80\x80\x7f\x7f").bytes ==
+        Bytes{0, 255, 255, 255, 255, 255, 255, 255, 0, 255, 0, 0, 0, 0, 0, 0, 0, 255});
+  CHECK(read("a", "P5 2 1 256 \1\0\xff\xff"s).floats == Floats{1, 1});  // larger values are clamped
+  CHECK(read("a", "P3 1 1 300 0 150 99999999999").floats == Floats{0, 32767 * (1 / 65535.0f), 1});
   for (const char* const text : {"P2 3 1 10 0 5", "P5 2 1 255 x", "P1 2 1 1 2", "P4 9 1 x"})
     CHECK(contains(error_of("a", text), "ends too early"));
   for (const char* const text : {"P2 3 1", "P5 2 1 0 x", "P5 2 1 65536 xx", "P5 x"})
@@ -139,7 +199,11 @@ TEST_CASE("PFM: rows from the bottom in either byte order, multiplied by the sca
   CHECK(read("a", "Pf\n1 3\n2\n" + big).floats == Floats{6, 4, 2});
   CHECK(read("a", "PF\n1 1\n-0.5\n" + little).floats == Floats{0.5f, 1, 1.5f});
   CHECK(contains(error_of("a", "PF\n1 2\n-1\n" + little), "ends too early"));
-  CHECK(contains(error_of("a", "PF\n1 1\n0\n" + little), "expected a width, a height and a scale"));
+  CHECK(read("a", "Pf\n1 1\n+2e0\n" + big).floats == Floats{2});
+  for (const char* const scale : {"0", "x", "nan", "-inf", "1e99"}) {
+    CAPTURE(std::string(scale));
+    CHECK(contains(error_of("a", std::string("PF\n1 1\n") + scale + "\n" + little), "expected a width, a height"));
+  }
 }
 
 TEST_CASE("Radiance: runs, and errors of the header") {
@@ -154,6 +218,19 @@ TEST_CASE("Radiance: runs, and errors of the header") {
   CHECK(contains(error_of("a", head + "-Y 1 +X 9\n" + row), "ends too early"));
   CHECK(contains(error_of("a", "#?RADIANCE\n\n-Y 1 +X 1\nabcd"), "expected FORMAT=32-bit_rle_rgbe"));
   CHECK(contains(error_of("a", head + "-Y 1 -Y 1\nabcd"), "expected a resolution"));
+  CHECK(contains(error_of("a", head + "-Y 1 +X 99999999999\nabcd"), "expected a resolution"));
+  CHECK(contains(error_of("a", head + "-Y -1 +X 1\nabcd"), "the image is empty"));
+  // Wide rows without runs, and runs that are longer than the row or empty
+  std::string flat;
+  for (int i = 0; i < 9; ++i) flat += "\2\3\4\x88"s;
+  CHECK(read("a", head + "-Y 1 +X 9\n" + flat).floats.back() == 4);
+  const auto runs = [&](const std::string& bytes) { return error_of("a", head + "-Y 1 +X 8\n\2\2\0\x08"s + bytes); };
+  for (const char* const bytes : {"\x89\1", "\x87\1\x82\1"}) CHECK(contains(runs(bytes), "ends too early"));
+  CHECK(contains(runs("\0\1\x88\1\x88\1\x88\1\x88\1"s), "ends too early"));
+  CHECK(contains(runs("\x09"
+                      "123456789" +
+                      std::string(60, '\1')),
+                 "ends too early"));
 }
 
 }  // namespace sheaf::test_image_formats

@@ -60,6 +60,9 @@ TEST_CASE("TIFF: integers and floats of all sizes") {
   CHECK(values(64, 3, little({0, 0x3ff80000, 0, 0xc0000000}, 4)) == std::vector<float>{1.5f, -2});
   CHECK(contains(error_of({.bits = 24}, "abc"), "unsupported samples in a TIFF file of 24 bits per sample"));
   CHECK(contains(error_of({.bits = 16, .format = 4}, "ab"), "unsupported samples"));
+  for (const std::uint32_t bits : {0u, 1u, 12u, 64u})
+    CHECK(contains(error_of({.bits = bits, .format = bits == 0 ? 1u : 2u}, "12345678"), "cannot read the image"));
+  CHECK(contains(error_of({.bits = 8, .format = 3}, "a"), "unsupported samples"));
 }
 
 TEST_CASE("TIFF: packed integers, and white as zero") {
