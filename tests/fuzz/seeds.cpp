@@ -2,6 +2,7 @@
 // dictionary of each kind. The files are those of the repository's scenes and tests, or generated here. The dictionary
 // holds the strings in the sources of the reader.
 #include "core/image/exr.h"
+#include "core/image/formats/tiff.h"
 #include "core/image/image.h"
 #include "kernels/render/render_state.h"
 #include "scene/formats/nanovdb.h"
@@ -389,12 +390,20 @@ void add_image_kinds(Seeds& seeds) {
   test::TiffSample palette{.width = 8, .bits = 1, .photometric = 3};
   palette.palette = {1, 2, 3, 4, 5, 60000};
   seeds.add("image", tiff + test::tiff_file(palette, "x"));
+  const std::vector<std::uint16_t> values(9 * 5 * 4, 1000);
+  std::string problem;
+  const std::vector<unsigned char> packed = encode_tiff({9, 5, 4, true, 16, values.data()}, "text", problem);
+  seeds.add("image", tiff + std::string(packed.begin(), packed.end()));
   using namespace std::string_literals;
   seeds.add("image",
             hdr + "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n+X 1 -Y 8\n\2\2\0\x08\x88\1\x84\2\4\3\4\5\6\x88\0\x88\x89"s);
   seeds.add("image", bmp + "BM\0\0\0\0\0\0\0\0\x3e\0\0\0\x28\0\0\0\6\0\0\0\2\0\0\0\1\0\x08\0\1\0\0\0"s +
                          std::string(12, '\0') +
                          "\2\0\0\0\0\0\0\0\1\2\3\0\4\5\6\0\2\1\0\3\0\1\0\0\0\0\0\2\3\0\3\1\0\1"s);
+  seeds.add("image", bmp + "BM\0\0\0\0\0\0\0\0\x46\0\0\0\x38\0\0\0\1\0\0\0\2\0\0\0\1\0\x20\0\3\0\0\0"s +
+                         std::string(20, '\0') +
+                         "\xff\0\0\0\0\xff\0\0\0\0\xff\0\0\0\0\xff"
+                         "12345678"s);
   seeds.add("image", tga + "\0\1\x09\0\0\2\0\x18\0\0\0\0\3\0\2\0\x08\x20\1\2\3\4\5\6\x81\1\3\0\1\0\1"s);
   for (const char* const text :
        {"P1 # bits\n3 2\n1 0 1\n010", "P2 3 1 10 0 5 11", "P3 1 1 255 1 2 3", "P4 9 1 \xaa\x80"})
