@@ -113,6 +113,30 @@ double auto_exposure(const Image& image) {
   return std::min(std::log2(kMiddleGray) - sum / static_cast<double>(count), kMaxStops);
 }
 
+Shown shown_by(const Image& displayed) {
+  constexpr double kShare = 0.99;         // of the pixels
+  constexpr float kBlackLevel = 0.0015f;  // about the fifth of 255 levels of sRGB
+  constexpr float kWhiteLevel = 0.99f;
+  if (displayed.channels.empty()) return Shown::kPicture;
+  const DisplayChannels channels = display_channels(displayed);
+  const std::size_t stride = displayed.channels.size();
+  std::size_t count = 0, black = 0, white = 0;
+  for (std::size_t first = 0; first < displayed.data.size(); first += stride) {
+    const float* const pixel = &displayed.data[first];
+    const float alpha = display_alpha(pixel, channels);
+    if (!(alpha > 0)) continue;
+    const Vec3f color = color_of(pixel, channels) * (1 / alpha);
+    ++count;
+    black += std::max({color.x, color.y, color.z}) < kBlackLevel;
+    white += std::min({color.x, color.y, color.z}) > kWhiteLevel;
+  }
+  const double needed = kShare * static_cast<double>(count);
+  if (count == 0) return Shown::kPicture;
+  return static_cast<double>(black) >= needed   ? Shown::kBlack
+         : static_cast<double>(white) >= needed ? Shown::kWhite
+                                                : Shown::kPicture;
+}
+
 double DisplayTransform::exposure_of(const Image& image) const {
   return settings_.exposure ? *settings_.exposure : auto_exposure(image);
 }

@@ -21,6 +21,12 @@ namespace sheaf {
 /// Pixels with NaN, infinite or negative luminance do not count. 0 for an image without light.
 double auto_exposure(const Image& image);
 
+/// What nearly all pixels of a displayed image show.
+enum class Shown { kPicture, kBlack, kWhite };
+
+/// Judges a displayed image; see DisplayTransform::apply(). Transparent pixels do not count.
+Shown shown_by(const Image& displayed);
+
 /// Settings of a DisplayTransform. If `display_view` is set, `tone_map` is kNone.
 struct DisplaySettings {
   std::optional<double> exposure = 0.0;  ///< stops; nothing: auto_exposure()

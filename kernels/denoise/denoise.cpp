@@ -131,6 +131,13 @@ void check_denoiser(Denoiser denoiser) {
   if (denoiser == Denoiser::kOidn) check_oidn();
 }
 
+Denoiser best_denoiser() {
+  try {
+    check_oidn();
+    return Denoiser::kOidn;
+  } catch (const Error&) { return Denoiser::kNlMeans; }
+}
+
 DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads) {
   if (threads > 0) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

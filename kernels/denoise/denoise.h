@@ -34,6 +34,9 @@ inline constexpr NameTable<Denoiser> kDenoisers{{{"nlm", Denoiser::kNlMeans}, {"
 /// Throws Error (exit code 1) if the method cannot be used on this machine.
 void check_denoiser(Denoiser denoiser);
 
+/// kOidn if its library is installed, otherwise kNlMeans.
+Denoiser best_denoiser();
+
 /// Records the denoiser in the file's metadata as "sheaf/denoiser".
 void add_denoise_attribute(ExrMetadata& metadata, const DenoiseResult& result);
 

@@ -68,11 +68,11 @@ check_scenes() {
 
 # check_preview SHEAF: the page of `sheaf watch` and its image.
 check_preview() {
-  local port log=$debian_root$work/watch.log watch
+  local port log=$debian_root$work/watch.log failed=
   port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
-  in_work "$1" watch "$work/scenes/cornell/cornell.xml" --scale 0.2 --spp 16 --serve "$port" >"$log" 2>&1 &
-  watch=$!
-  /usr/bin/python3 - "$port" <<'END_PYTHON' || { cat "$log" >&2; kill "$watch"; fail "watch --serve"; }
+  in_work bash -c 'echo $$ >watch.pid && exec "$@"' bash \
+    "$1" watch "$work/scenes/cornell/cornell.xml" --scale 0.2 --spp 16 --serve "$port" >"$log" 2>&1 &
+  /usr/bin/python3 - "$port" <<'END_PYTHON' || failed=true
 import sys, time, urllib.request
 address = f"http://127.0.0.1:{sys.argv[1]}"
 for attempt in range(100):
@@ -86,8 +86,9 @@ for attempt in range(100):
     time.sleep(0.1)
 sys.exit("no page with an image")
 END_PYTHON
-  kill "$watch"
-  wait "$watch" || true
+  kill "$(cat "$debian_root$work/watch.pid")"
+  wait
+  if [[ -n $failed ]]; then fail "watch --serve: $(cat "$log")"; fi
   passed "sheaf watch --serve"
 }
 

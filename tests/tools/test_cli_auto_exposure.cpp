@@ -54,4 +54,29 @@ TEST_CASE("auto exposure: filters and denoisers around a lamp change it little")
   }
 }
 
+TEST_CASE("images that are almost black or white come with the exposure that helps") {
+  const TemporaryFolder folder;
+  // A wall of one color that fills the image
+  const auto wall = [](const std::string& radiance) {
+    return "<scene version='3.0.0'><integrator type='path'/><sensor type='orthographic'><transform name='to_world'>"
+           "<lookat origin='0, 0, 2' target='0, 0, 0' up='0, 1, 0'/></transform>"
+           "<film type='hdrfilm'><integer name='width' value='16'/><integer name='height' value='16'/></film></sensor>"
+           "<shape type='rectangle'><transform name='to_world'><scale value='4'/></transform>"
+           "<emitter type='area'><rgb name='radiance' value='" +
+           radiance + "'/></emitter></shape></scene>";
+  };
+  write_bytes(folder / "dark.xml", wall("0.001"));
+  write_bytes(folder / "bright.xml", wall("50"));
+  write_bytes(folder / "gray.xml", wall("0.5"));
+  const std::string black = run(folder, "render dark.xml --spp 4 -o a.png -o dark.exr").err;
+  CHECK(contains(black, "wrote a.png, dark.exr (almost black: --exposure 7.5 shows a picture)"));
+  CHECK(contains(run(folder, "render bright.xml --spp 4 -o a.png").err, "(almost white: --exposure -8.1 "));
+  CHECK(contains(run(folder, "convert dark.exr -o a.png").err, "(almost black: --exposure 7.5 "));
+  // Not for pictures, with the proposed or an automatic exposure, and for files without one
+  for (const char* const command :
+       {"render gray.xml --spp 4 -o a.png", "render dark.xml --spp 4 -o a.png --exposure 7.5",
+        "render dark.xml --spp 4 -o a.png --exposure auto", "render dark.xml --spp 4 -o a.exr"})
+    CHECK(!contains(run(folder, command).err, "almost"));
+}
+
 }  // namespace sheaf::test_cli_auto_exposure

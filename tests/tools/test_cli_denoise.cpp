@@ -56,6 +56,20 @@ TEST_CASE("an image is denoised while it is rendered or afterwards") {
   CHECK(now.world_to_camera->m == before.world_to_camera->m);
 }
 
+TEST_CASE("--denoise without a value takes the best denoiser of the machine, and says which") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome chosen = run(folder, "render --denoise scene.xml -o a.exr");
+  CHECK(chosen.code == 0);
+  // As if the chosen one were given
+  const bool has_oidn = contains(chosen.err, ", denoised by oidn; wrote a.exr");
+  CHECK((has_oidn || contains(chosen.err, ", denoised by nlm; wrote a.exr")));
+  CHECK(contains(read_bytes(folder / "a.exr"), has_oidn ? "oidn: features" : "nlm: two halves"));
+  const Image a = read_exr(folder / "a.exr");
+  CHECK((a.find_channel("half.R") < 0) == has_oidn);
+  CHECK(!contains(run(folder, "render scene.xml -o b.exr").err, "denoised"));
+}
+
 TEST_CASE("--denoise nlm leaves the image itself unchanged") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

@@ -3,7 +3,6 @@
 #include "core/io/error.h"
 #include "core/io/memory.h"
 #include "core/io/output_file.h"
-#include "kernels/denoise/denoise.h"
 #include "kernels/render/render.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/cli/commands.h"
@@ -15,6 +14,7 @@
 #include "tools/console/standard_streams.h"
 #include "tools/console/terminal.h"
 #include "tools/farm/frames.h"
+#include "tools/job/apply_arguments.h"
 #include "tools/job/image_files.h"
 #include "tools/job/interrupted_image.h"
 #include "tools/job/parts.h"
@@ -190,6 +190,7 @@ WrittenImage write_result(const RenderJob& job, RenderResult& result) {
   // If denoising fails, the noisy image can still be written
   out.is_denoised = try_to_write([&] { add_denoised(job.arguments, out.image, metadata); });
   out.written = write_images(job.outputs, out.image, metadata, job.output);
+  if (out.is_denoised) out.written.denoiser = job.arguments.denoiser;
   return out;
 }
 
@@ -210,7 +211,6 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
   if (!arguments.samples.empty() && job.output.is_lossy()) job.output.compression = ExrCompression::kZip;
-  if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
   std::optional<Preview> own_preview;
   if (repeated == nullptr)
     own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string(), job.output.display);
@@ -282,6 +282,7 @@ void add_render_command(Command& program, int& exit_code) {
   command.on_call([arguments, command, &exit_code] {
     set_verbosity(arguments->verbosity.verbosity());
     check_frame_options(*arguments);
+    choose_denoiser(arguments->denoiser);
     StandardStreams streams;
     streams.open_output(arguments->outputs, arguments->output_format);
     arguments->scene = streams.read_scene(arguments->scene);

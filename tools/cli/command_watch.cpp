@@ -3,6 +3,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/render_scene.h"
 #include "tools/console/interrupt.h"
+#include "tools/job/apply_arguments.h"
 #include "tools/preview/file_watcher.h"
 
 #include <filesystem>
@@ -67,6 +68,7 @@ void add_watch_command(Command& program, int& exit_code) {
       "at port 8080 unless --serve or --tev is given. Writes images only with --output.");
   command.on_call([arguments, command, &exit_code] {
     set_verbosity(arguments->verbosity.verbosity());
+    choose_denoiser(arguments->denoiser);
     exit_code = watch_scene(*arguments, command.given());
   });
 }

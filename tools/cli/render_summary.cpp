@@ -18,7 +18,10 @@ std::string percent(double fraction) {
 std::string written_files(const WrittenImages& written) {
   std::string text;
   for (const std::filesystem::path& file : written.files) text += (text.empty() ? "wrote " : ", ") + file.string();
-  return written.exposure ? fmt::format("{} (exposure {})", text, exposure_text(*written.exposure)) : text;
+  if (written.exposure) return fmt::format("{} (exposure {})", text, exposure_text(*written.exposure));
+  if (written.shown == Shown::kPicture) return text;
+  return fmt::format("{} (almost {}: --exposure {:.2g} shows a picture)", text,
+                     written.shown == Shown::kBlack ? "black" : "white", written.helpful_exposure);
 }
 
 std::string summarize(const RenderReport& report, const WrittenImages& written) {
@@ -35,6 +38,7 @@ std::string summarize(const RenderReport& report, const WrittenImages& written) 
   if (report.adaptive && report.adaptive->noise_target > 0 && report.adaptive->reached < report.adaptive->tiles)
     text += fmt::format(" ({} of {} tiles reached {})", report.adaptive->reached, report.adaptive->tiles,
                         percent(report.adaptive->noise_target));
+  if (!written.denoiser.empty()) text += ", denoised by " + written.denoiser;
   if (const std::string files = written_files(written); !files.empty()) text += "; " + files;
   return text;
 }

@@ -155,6 +155,11 @@ RenderRequest request_of(const RenderArguments& arguments, const SamplerSettings
 
 }  // namespace
 
+void choose_denoiser(std::string& denoiser) {
+  if (denoiser == "auto") denoiser = kDenoisers.name_of(best_denoiser());
+  if (!denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", denoiser));
+}
+
 RenderSettings resolve_settings(const RenderArguments& arguments, const Description& scene, SettingsRemarks& remarks) {
   SceneSettings settings = scene;
   apply_transport(arguments, settings.integrator);

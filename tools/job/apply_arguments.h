@@ -13,6 +13,10 @@ struct SettingsRemarks {
   std::vector<std::string> details;  ///< differences from the scene file that do not affect the expectation, for -v
 };
 
+/// Replaces the denoiser `auto` by the best one on this machine. Throws Error (exit code 1) if the requested one cannot
+/// be used.
+void choose_denoiser(std::string& denoiser);
+
 /// The settings of a render of the scene. Throws Error (exit code 2) for options that are malformed, out of range, or
 /// not possible for the scene.
 RenderSettings resolve_settings(const RenderArguments& arguments, const Description& scene, SettingsRemarks& remarks);

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 namespace sheaf {
 
@@ -131,6 +132,21 @@ void write_image(const fs::path& file, const Image& image, const ExrMetadata& me
   write_encoded_image(file, display(), encoding);
 }
 
+namespace {
+
+/// Sets what the displayed image shows, and the exposure that would show a picture if it does not.
+void add_exposure_hint(const Image& image, const Image& displayed, const OutputSettings& settings,
+                       WrittenImages& written) {
+  constexpr double kMinDifference = 1;  // stops
+  const Shown shown = shown_by(displayed);
+  if (shown == Shown::kPicture) return;
+  const Image source = image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image;
+  written.helpful_exposure = auto_exposure(source);
+  if (std::abs(written.helpful_exposure - settings.display.exposure_of(source)) > kMinDifference) written.shown = shown;
+}
+
+}  // namespace
+
 WrittenImages write_images(const std::vector<fs::path>& files, const Image& image, const ExrMetadata& metadata,
                            const OutputSettings& settings) {
   WrittenImages written;
@@ -144,6 +160,9 @@ WrittenImages write_images(const std::vector<fs::path>& files, const Image& imag
   };
   for (const fs::path& file : files)
     if (try_to_write([&] { write_image(file, image, metadata, settings, display); })) written.files.push_back(file);
+  const auto is_display = [](const fs::path& file) { return output_format(file).has_value(); };
+  if (!settings.display.is_automatic() && std::any_of(written.files.begin(), written.files.end(), is_display))
+    add_exposure_hint(image, display(), settings, written);
   return written;
 }
 

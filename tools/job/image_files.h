@@ -62,7 +62,10 @@ void write_image(const std::filesystem::path& file, const Image& image, const Ex
 /// Files that write_images() wrote.
 struct WrittenImages {
   std::vector<std::filesystem::path> files;
+  std::string denoiser = {};       ///< its name on the command line; empty if the image is not denoised
   std::optional<double> exposure;  ///< stops; only if it was chosen automatically and affects a file
+  Shown shown = Shown::kPicture;   ///< by the files of formats other than OpenEXR
+  double helpful_exposure = 0;     ///< stops; only if they show no picture
 };
 
 /// Writes the image to each file, regardless of failures of others. Formats other than OpenEXR show the denoised image

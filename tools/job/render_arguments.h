@@ -81,11 +81,14 @@ struct ImageArguments {
     command
         .add_option(
             "--denoise", denoiser,
-            "Denoise the final image with nlm (non-local means) or oidn (Open Image Denoise, if installed). Writes the "
-            "layers denoised.R/G/B to .exr, and the denoised image to other formats. nlm implies --replicates 4, or 2 "
-            "below 16 "
-            "samples per pixel; oidn implies --filter-mode importance, because it expects uncorrelated pixel noise")
-        .one_of(kDenoisers.names());
+            "Denoise the final image with nlm (non-local means) or oidn (Open Image Denoise, if installed). auto, or "
+            "no "
+            "value: oidn if it is installed, else nlm. Writes the layers denoised.R/G/B to .exr, and the denoised "
+            "image "
+            "to other formats. nlm implies --replicates 4, or 2 below 16 samples per pixel; oidn implies --filter-mode "
+            "importance, because it expects uncorrelated pixel noise")
+        .one_of({"auto", "nlm", "oidn"})
+        .implies("auto");
     command.begin_group(kAdvancedOptions);
     command.add_flag(
         "--watertight", watertight,

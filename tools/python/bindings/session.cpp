@@ -157,7 +157,7 @@ void Session::prepare_job(const OptionValues& options, Job& job) {
   for (const GivenOption& option : job.given)
     if (!options_of_render_only().contains(option.name))
       job.compiled_for += fmt::format("--{}={}\n", option.name, option.values);
-  if (!job.arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", job.arguments.denoiser));
+  choose_denoiser(job.arguments.denoiser);
   // Apply them to the scene as it was read
   if (replaced_) loaded_.description = std::move(*replaced_);
   replaced_.reset();
