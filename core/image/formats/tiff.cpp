@@ -110,8 +110,7 @@ class TiffReader final : public ImageReader {
     set_header(side(TIFFTAG_IMAGEWIDTH), side(TIFFTAG_IMAGELENGTH), channel_names());
     header_.holds_bytes = uses_rgba_ || has_palette_ || kind_ == Samples::kPacked8 || kind_ == Samples::kUint8;
     header_.holds_integers = header_.holds_bytes || kind_ < Samples::kHalf;
-    header_.orientation = field<std::uint16_t>(TIFFTAG_ORIENTATION, 1);
-    if (header_.orientation < 1 || header_.orientation > 8) header_.orientation = 1;
+    header_.orientation = field<std::uint16_t>(TIFFTAG_ORIENTATION, 1);  // libtiff replaces unknown ones
     if (TIFFIsTiled(file_.get()) != 0) {
       header_.tile_width = std::max(side(TIFFTAG_TILEWIDTH), 1);
       header_.tile_height = std::max(side(TIFFTAG_TILELENGTH), 1);
@@ -121,9 +120,7 @@ class TiffReader final : public ImageReader {
   }
 
   /// Whether libtiff converts the colors.
-  bool needs_rgba() {
-    const auto compression = field<std::uint16_t>(TIFFTAG_COMPRESSION);
-    const bool is_jpeg = compression == COMPRESSION_JPEG || compression == COMPRESSION_OJPEG;
+  bool needs_rgba() const {
     switch (photometric_) {
       case PHOTOMETRIC_YCBCR:
       case PHOTOMETRIC_CIELAB:
@@ -133,7 +130,7 @@ class TiffReader final : public ImageReader {
       case PHOTOMETRIC_LOGLUV:
         return true;
       default:
-        return is_jpeg && samples_ != 3 && !is_cmyk_;
+        return false;
     }
   }
 
@@ -175,7 +172,7 @@ class TiffReader final : public ImageReader {
         return is_float;
       default:
         kind_ = bits_ < 8 ? Samples::kPacked8 : Samples::kPacked16;
-        return is_unsigned && bits_ > 0 && bits_ < 16;
+        return is_unsigned && bits_ < 16;
     }
   }
 
