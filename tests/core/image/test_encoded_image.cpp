@@ -162,6 +162,8 @@ TEST_CASE("encoded images: sizes are checked before the library allocates") {
   CHECK(contains(error_of(webp(lossy)), "the header claims 16383 x 16383 pixels"));
   const std::string extended("VP8X\x0a\0\0\0\0\0\0\0\xff\xff\xff\x01\0\0", 18);
   CHECK(contains(error_of(webp(extended)), "the image is too large: 16777216 x 2 pixels"));
+  const std::string high("VP8X\x0a\0\0\0\0\0\0\0\1\0\0\xff\xff\xff", 18);
+  CHECK(contains(error_of(webp(high)), "the image is too large: 2 x 16777216 pixels"));
   for (const std::string& chunk : {"ABCD\x04" + std::string(20, '\0'), std::string()})
     CHECK(contains(error_of(webp(chunk)), "the WebP header is damaged"));
 }

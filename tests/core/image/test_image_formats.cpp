@@ -67,14 +67,15 @@ TEST_CASE("BMP: palettes, masks and alpha") {
   const StoredImage gray = read("a", bmp(2, 1, 8, 0, "\1\1\1\0\7\7\7\0"s, "\1\0\0\0"s, 2));
   CHECK(gray.channels == std::vector<std::string>{"Y"});
   CHECK(gray.bytes == Bytes{7, 1});
-  CHECK(read("a", bmp(1, 1, 8, 0, kTwoColors, "\x99\0\0\0"s, 2)).bytes == Bytes{6, 5, 4});  // beyond the palette
+  CHECK(read("a", bmp(1, 1, 8, 0, kTwoColors, "\x98\0\0\0"s, 2)).bytes == Bytes{6, 5, 4});  // beyond the palette
   CHECK(read("a", bmp(2, 1, 16, 0, "", "\x1f\x7c\x10\x00"s)).bytes == Bytes{255, 0, 255, 0, 0, 132});
   const std::string masks("\0\xf8\0\0\xe0\7\0\0\x1f\0\0\0", 12);  // 5, 6 and 5 bits
   CHECK(read("a", bmp(2, 1, 16, 3, masks, "\xe0\x07\x20\x08"s)).bytes == Bytes{0, 255, 0, 8, 4, 0});
   CHECK(read("a", bmp(2, 1, 24, 0, "", "\1\2\3\4\5\6\0\0"s)).bytes == Bytes{3, 2, 1, 6, 5, 4});
   CHECK(read("a", bmp(1, 1, 32, 0, "", "\1\2\3\4"s)).bytes == Bytes{3, 2, 1, 4});
   CHECK(contains(error_of("a", bmp(1, 1, 24, 4, "", "\1\2\3\4"s)), "unknown BMP encoding: compression 4 with 24 bits"));
-  CHECK(contains(error_of("a", bmp(1, 1, 8, 0, "", ""s, 300)), "ends too early"));
+  for (const std::string& colors : {""s, std::string(1200, '\1')})
+    CHECK(contains(error_of("a", bmp(1, 1, 8, 0, colors, "\0\0\0\0"s, 300)), "ends too early"));
   CHECK(contains(error_of("a", bmp(1, 2, 32, 0, "", "\1\2\3\4"s)), "ends too early"));
 }
 
@@ -125,6 +126,7 @@ TEST_CASE("BMP: run-length encoding") {
   }
   CHECK(contains(error_of("a", bmp(6, 2, 8, 1, kTwoColors, "\2\1"s, 2)), "ends too early"));
   CHECK(contains(error_of("a", bmp(6, 1, 8, 1, kTwoColors, "\0\0\2\1\0\1"s, 2)), "cannot read the image"));
+  CHECK(indices(read("a", bmp(2, 2, 8, 1, kTwoColors, "\0\2\1\1\1\1\0\1"s, 2))) == "0100");  // moves up
   // Rows are stored from the bottom even if the height is negative; runs and literals end at the edge of the image
   CHECK(indices(read("a", bmp(2, -2, 8, 1, kTwoColors, "\2\1\0\0\2\0\0\1"s, 2))) == "0011");
   CHECK(indices(read("a", bmp(2, 2, 8, 1, kTwoColors, "\xff\1\0\0\0\4\1\1\1\1\0\1"s, 2))) == "1111");
@@ -140,6 +142,7 @@ TEST_CASE("TGA: depths, palettes, directions and runs") {
   const StoredImage gray = read("a.tga", tga(3, 16, 1, 1, kTop | kAlpha, "\1\2"));
   CHECK(gray.channels == std::vector<std::string>{"Y", "A"});
   CHECK(gray.bytes == Bytes{1, 2});
+  CHECK(read("a.tga", tga(3, 16, 2, 1, kTop, "\1\2\3\4")).bytes == Bytes{1, 3});
   CHECK(read("a.tga", tga(2, 16, 1, 1, kTop, "\x1f\x42"s)).bytes == Bytes{132, 132, 255});
   CHECK(read("a.tga", tga(2, 32, 1, 1, kTop, "\1\2\3\4")).bytes == Bytes{3, 2, 1, 4});
   std::string palette = tga(1, 8, 2, 1, kTop, "\1\2\3\4\5\6\x0b\x0a");
@@ -148,8 +151,10 @@ TEST_CASE("TGA: depths, palettes, directions and runs") {
   palette[5] = 2;
   palette[7] = 24;
   CHECK(read("a.tga", palette).bytes == Bytes{6, 5, 4, 3, 2, 1});
-  palette.back() = 12;
-  CHECK(contains(error_of("a.tga", palette), "cannot read the image"));
+  for (const char outside : {9, 12}) {
+    palette.back() = outside;
+    CHECK(contains(error_of("a.tga", palette), "cannot read the image"));
+  }
   // Pixels of two bytes, a run across rows, an image without a color map, and one with a name before it
   std::string indexed = tga(9, 16, 2, 2, kTop, "\x10\x20\x30\x40\x50\x60\x70\x80\x82\1\0\0\0\0"s);
   indexed[1] = 1;
@@ -181,6 +186,7 @@ TEST_CASE("PBM, PGM and PPM: text and binary, scaled to the largest value") {
   CHECK(read("a", "P3\n1 1\n255\n1 2 3").bytes == Bytes{1, 2, 3});
   CHECK(read("a", "P5 2 1 100\n\x32\x64"s).bytes == Bytes{127, 255});
   CHECK(read("a", "P6 1 1 65535\n\xff\xff\x80\0\0\1"s).floats == Floats{1, 0x8000 * (1 / 65535.0f), 1 / 65535.0f});
+  CHECK(read("a", "P4 8 2 \x7f\xfe").bytes == Bytes{255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255});
   CHECK(read("a", "P4 9 2 \x80\x80\x7f\x7f").bytes ==
         Bytes{0, 255, 255, 255, 255, 255, 255, 255, 0, 255, 0, 0, 0, 0, 0, 0, 0, 255});
   CHECK(read("a", "P5 2 1 256 \1\0\xff\xff"s).floats == Floats{1, 1});  // larger values are clamped
@@ -224,13 +230,18 @@ TEST_CASE("Radiance: runs, and errors of the header") {
   std::string flat;
   for (int i = 0; i < 9; ++i) flat += "\2\3\4\x88"s;
   CHECK(read("a", head + "-Y 1 +X 9\n" + flat).floats.back() == 4);
-  const auto runs = [&](const std::string& bytes) { return error_of("a", head + "-Y 1 +X 8\n\2\2\0\x08"s + bytes); };
-  for (const char* const bytes : {"\x89\1", "\x87\1\x82\1"}) CHECK(contains(runs(bytes), "ends too early"));
-  CHECK(contains(runs("\0\1\x88\1\x88\1\x88\1\x88\1"s), "ends too early"));
-  CHECK(contains(runs("\x09"
-                      "123456789" +
-                      std::string(60, '\1')),
-                 "ends too early"));
+  const std::string component = "\x88\1";  // 8 times 1
+  const auto runs = [&](const std::string& bytes) { return error_of("a", head + "-Y 1 +X 8\n" + bytes); };
+  const std::string three = "\2\2\0\x08"s + component + component + component;
+  CHECK(runs(three + component).empty());
+  for (const char* const bytes : {"\x89\1", "\x87\1\x82\1",
+                                  "\x09"
+                                  "123456789",
+                                  "\x07"
+                                  "1234567\x82\1"})
+    CHECK(contains(runs(three + bytes), "ends too early"));
+  CHECK(contains(runs(three + "\0"s + component), "ends too early"));
+  CHECK(contains(runs("\2\2\0\7"s + three.substr(4) + component), "ends too early"));  // rows of another width
 }
 
 }  // namespace sheaf::test_image_formats

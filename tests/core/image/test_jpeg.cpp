@@ -164,6 +164,8 @@ TEST_CASE("JPEG: written files have no subsampling, a comment and the color spac
   CHECK(contains(file, std::string("\xff\xe1\0\x34"
                                    "Exif\0\0II*\0",
                                    14)));
+  // ColorSpace, tag 0xa001, is one number of 16 bits: 1, sRGB
+  CHECK(contains(file, std::string("\x01\0\x01\xa0\3\0\1\0\0\0\1\0\0\0\0\0\0\0", 18)));
   // The first step of the first quantization table: 16 at quality 50
   const std::string table("\xff\xdb\0\x43\0", 5);
   const auto first_step = [&](int quality) {

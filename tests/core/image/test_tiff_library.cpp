@@ -209,6 +209,33 @@ TEST_CASE("TIFF by libtiff: palettes of 8 bits, and CMYK of 16") {
   CHECK(read_stored_image(file).bytes == std::vector<std::uint8_t>{255, 0, 0, 55, 200, 100});
 }
 
+TEST_CASE("TIFF by libtiff: CIE L*a*b* and LogLuv become RGB of 8 bits") {
+  const TemporaryFolder folder;
+  const auto file = folder / "a.tif";
+  const auto read_white = [&](std::uint16_t photometric, std::uint16_t compression, int bits, void* row) {
+    TIFF* const out = TIFFOpen(file.c_str(), "w");
+    TIFFSetField(out, TIFFTAG_IMAGEWIDTH, 1);
+    TIFFSetField(out, TIFFTAG_IMAGELENGTH, 1);
+    TIFFSetField(out, TIFFTAG_SAMPLESPERPIXEL, 3);
+    TIFFSetField(out, TIFFTAG_BITSPERSAMPLE, bits);
+    TIFFSetField(out, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(out, TIFFTAG_COMPRESSION, compression);
+    TIFFSetField(out, TIFFTAG_PHOTOMETRIC, photometric);
+    if (compression == COMPRESSION_SGILOG) TIFFSetField(out, TIFFTAG_SGILOGDATAFMT, SGILOGDATAFMT_FLOAT);
+    CHECK(TIFFWriteScanline(out, row, 0, 0) == 1);
+    TIFFClose(out);
+    const StoredImage image = read_stored_image(file);
+    CHECK(image.channels == std::vector<std::string>{"R", "G", "B"});
+    REQUIRE(image.bytes.size() == 3);
+    return std::array<int, 3>{image.bytes[0], image.bytes[1], image.bytes[2]};
+  };
+  std::array<std::uint8_t, 3> lab{255, 0, 0};
+  std::array<float, 3> xyz{0.9505f, 1, 1.089f};
+  for (const std::array<int, 3>& white : {read_white(PHOTOMETRIC_CIELAB, COMPRESSION_NONE, 8, lab.data()),
+                                          read_white(PHOTOMETRIC_LOGLUV, COMPRESSION_SGILOG, 16, xyz.data())})
+    for (const int value : white) CHECK(value > 200);  // libtiff keeps the white point
+}
+
 TEST_CASE("TIFF by libtiff: tags of files that Sheaf writes") {
   const TemporaryFolder folder;
   const std::vector<std::uint16_t> values(40 * 4, 1000);
@@ -234,7 +261,7 @@ TEST_CASE("TIFF by libtiff: tags of files that Sheaf writes") {
     CHECK(description == std::string("text"));
     std::uint16_t extra = 0, *kinds = nullptr;
     CHECK(TIFFGetField(file, TIFFTAG_EXTRASAMPLES, &extra, &kinds) == (has_alpha ? 1 : 0));
-    if (has_alpha) CHECK(kinds[0] == EXTRASAMPLE_UNASSALPHA);
+    if (has_alpha && extra > 0) CHECK(kinds[0] == EXTRASAMPLE_UNASSALPHA);
     // Exif: the color space is sRGB
     std::uint64_t exif = 0;
     REQUIRE(TIFFGetField(file, TIFFTAG_EXIFIFD, &exif) == 1);
