@@ -176,9 +176,13 @@ TEST_CASE("formats: info lists all formats that the program reads and writes") {
         "asset       Mitsuba volume (.vol)\n", "asset       spectrum (.spd)\n"})
     CHECK_MESSAGE(contains(text, line), line);
   for (const ModelFormat& model : model_formats()) CHECK(contains(text, model.known.extensions[0]));
+  // The documentation lists the formats of images
+  const std::string page = read_bytes(SHEAF_SOURCE_DIR "/docs/scene-format/textures.md");
+  const std::string listed = page.substr(page.find("Supported image formats: "), 200);
   // Images are written in exactly these formats
   for (const nlohmann::json& format : json["formats"]) {
-    const std::string kind = format["kind"], reader = format["reader"];
+    const std::string kind = format["kind"], name = format["name"], reader = format["reader"];
+    if (kind == "image") CHECK_MESSAGE(contains(listed, name), name);
     for (const std::string extension : format["extensions"]) {
       CAPTURE(extension);
       const Outcome written = run(workplace.folder, "convert image.exr -q -o out" + extension);

@@ -145,8 +145,7 @@ class BmpReader final : public IntegerReader {
     for (std::size_t i = 0; i < width * height; ++i) put_color(0, out + i * header_.channels.size());
     std::size_t x = 0, y = 0;
     const auto put = [&](int index) {
-      if (x < width && y < height)
-        put_color(static_cast<std::size_t>(index), out + row_offset(y) + x * header_.channels.size());
+      if (x < width) put_color(static_cast<std::size_t>(index), out + row_offset(y) + x * header_.channels.size());
       ++x;
     };
     for (;;) {

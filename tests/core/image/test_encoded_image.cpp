@@ -107,6 +107,7 @@ TEST_CASE("encoded images: the first frame of a WebP animation lies on transpare
         const int expected = is_inside ? kRgba[((y - 2) * 3 + x - 2) * 4 + c] : 0;
         CHECK(std::abs(int{image.bytes[(y * 6 + x) * 4 + c]} - expected) <= 1);
       }
+  CHECK(read_stored_image(encoded(animation(0x02, 6))).channels.size() == 3);  // the header declares no alpha
   // Frames beyond the canvas, and files that end after the first header
   CHECK(contains(error_of(animation(0x12, 4)), "ends too early"));
   CHECK(contains(error_of(animation(0x12, 6).substr(0, 60)), "ends too early"));

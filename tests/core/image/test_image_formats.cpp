@@ -164,6 +164,11 @@ TEST_CASE("TGA: depths, palettes, directions and runs") {
   CHECK(colors.channels == std::vector<std::string>{"R", "G", "B", "A"});
   CHECK(colors.bytes ==
         Bytes{0x70, 0x60, 0x50, 0x80, 0x70, 0x60, 0x50, 0x80, 0x70, 0x60, 0x50, 0x80, 0x30, 0x20, 0x10, 0x40});
+  std::string coarse = tga(1, 8, 2, 1, kTop, "\x00\x7c\x1f\0\1\0"s);
+  coarse[1] = 1;
+  coarse[5] = 2;
+  coarse[7] = 15;
+  CHECK(read("a.tga", coarse).bytes == Bytes{0, 0, 255, 255, 0, 0});
   std::string named = tga(2, 24, 1, 1, kTop, "name\1\2\3\4\5\6\7\x08\x09");
   named[0] = 4;
   named[1] = 1;

@@ -89,6 +89,7 @@ TEST_CASE("TIFF: names of channels") {
   CHECK(names(3, 2, {}) == Names{"R", "G", "B"});
   CHECK(names(4, 2, {1}) == Names{"R", "G", "B", "A"});
   CHECK(names(4, 2, {0}) == Names{"R", "G", "B", "channel3"});
+  CHECK(names(5, 2, {2, 0}) == Names{"R", "G", "B", "A", "channel4"});
   CHECK(names(5, 2, {0, 2}) == Names{"R", "G", "B", "channel3", "A"});
   CHECK(names(5, 5, {}) == Names{"ink0", "ink1", "ink2", "ink3", "ink4"});
 }
