@@ -1,13 +1,18 @@
 """Renders of scenes from files: the same bits as the command line's, results, stopping and speed."""
 
+import copy
+import io
 import os
+import pickle
 import signal
+import sys
 import tempfile
 import threading
 import time
 import unittest
 import warnings
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -87,6 +92,29 @@ class Results(unittest.TestCase):
         self.assertEqual((stats["spp"], stats["width"], stats["height"]), (16, 24, 16))
         self.assertEqual(self.result.attributes["sheaf/samplesPerPixel"], 16)
         self.assertIn("24 x 16", repr(self.result))
+
+    def test_array_and_copies(self):
+        result = self.result
+        np.testing.assert_array_equal(np.array(result), result.image)
+        self.assertEqual(np.asarray(result, dtype=np.float64).dtype, np.float64)
+        with tempfile.TemporaryDirectory() as folder:
+            result.write(Path(folder) / "a.exr")
+            for other in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
+                self.assertEqual((other.layers, other.stats, other.attributes, other.warnings, other.interrupted),
+                                 (result.layers, result.stats, result.attributes, result.warnings, result.interrupted))
+                np.testing.assert_array_equal(other["half"], result["half"])
+                other.write(Path(folder) / "b.exr")
+                self.assertEqual((Path(folder) / "b.exr").read_bytes(), (Path(folder) / "a.exr").read_bytes())
+        for value in (sheaf.Transform.scale(2), sheaf.read_image):
+            self.assertEqual(pickle.loads(pickle.dumps(value)), value)
+        state = list(result.__getstate__())
+        state[2] = state[2][:-4]
+        with self.assertRaisesRegex(sheaf.UsageError, "broken"):
+            sheaf.Result.__new__(sheaf.Result).__setstate__(tuple(state))
+
+    def test_merge_of_pickled_parts(self):
+        parts = [pickle.loads(pickle.dumps(sheaf.render(self.scene, spp=8, samples=(first, 4)))) for first in (0, 4)]
+        np.testing.assert_allclose(sheaf.merge(parts).image, sheaf.render(self.scene, spp=8).image, rtol=1e-3, atol=1e-3)
 
     def test_png(self):
         from_memory = self.result.png()
@@ -198,6 +226,75 @@ class Running(unittest.TestCase):
             thread.join()
         self.assertGreater(len(counted), 10)
         self.assertEqual(problems, ["the scene is in use by another call"])
+
+    def test_threads_render_one_scene(self):
+        """Calls of several threads, with other cameras and queries, give the bits of calls in order."""
+        scene, found, problems = scenes.cornell(), {}, []
+
+        def view(number):
+            look_at = sheaf.Transform.look_at((0, 1, 4 + number % 3), (0, 1, 0), (0, 1, 0))
+            camera = {"type": "perspective", "fov": 30, "to_world": look_at,
+                      "film": {"type": "hdrfilm", "width": 20, "height": 12}}
+            return np.array(sheaf.render(scene, spp=4, seed=number, sensor=camera if number % 2 else None))
+
+        def work(first):
+            try:
+                for number in range(first, 24, 6):
+                    found[number] = view(number)
+                    self.assertTrue(sheaf.trace(scene, (0, 1, 3), [(0, 0, -1)]).hit.all())
+                    self.assertEqual(scene.materials["brick"].type, "diffuse")
+            except Exception as problem:  # pylint: disable=broad-except
+                problems.append(problem)
+
+        threads = [threading.Thread(target=work, args=(first,)) for first in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(problems, [])
+        for number in range(24):
+            np.testing.assert_array_equal(found[number], view(number))
+
+    def test_stop_while_waiting(self):
+        scene, stop, first = scenes.cornell(), threading.Event(), threading.Event()
+        thread = threading.Thread(target=sheaf.render, args=(scene,), kwargs={
+            "stop": stop, "progress": lambda done, total: first.set(), **self.long})
+        thread.start()
+        self.assertTrue(first.wait(20))
+        with self.assertRaisesRegex(sheaf.Error, "stopped while another call used the scene"):
+            sheaf.render(scene, spp=1, stop=lambda: True)
+        stop.set()
+        thread.join()
+
+    def test_progress_bar(self):
+        class Bar:
+            """Stands in for tqdm."""
+
+            def __init__(self, total, **_):
+                self.n, self.total, self.closed = 0, total, False
+                bars.append(self)
+
+            def update(self, count):
+                self.n += count
+
+            def close(self):
+                self.closed = True
+
+        bars = []
+        with mock.patch.dict(sys.modules, {"tqdm": mock.Mock(), "tqdm.auto": mock.Mock(tqdm=Bar)}):
+            sheaf.render(scenes.cornell(), spp=4, progress=True)
+            self.assertTrue(bars[0].closed and bars[0].n == bars[0].total > 0)
+            sheaf.render(scenes.cornell(), spp=4)  # not in a notebook
+            self.assertEqual(len(bars), 1)
+            shell = type("ZMQInteractiveShell", (), {})()
+            with mock.patch.dict(sys.modules, {"IPython": mock.Mock(get_ipython=lambda: shell)}):
+                sheaf.render(scenes.cornell(), spp=4)
+                sheaf.render(scenes.cornell(), spp=4, progress=False)
+            self.assertEqual(len(bars), 2)
+        with mock.patch.dict(sys.modules, {"tqdm": None, "tqdm.auto": None}), \
+             mock.patch("sys.stderr", new_callable=io.StringIO) as written:
+            sheaf.render(scenes.cornell(), spp=4, progress=True)
+            self.assertIn("render: 100 %", written.getvalue())
 
     def test_overhead(self):
         """A call takes below 5 ms beyond rendering: the median of 21 calls."""

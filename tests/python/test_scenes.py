@@ -197,6 +197,7 @@ class Changes(unittest.TestCase):
         self.assertEqual(scene.size, (24, 16))
         self.assertEqual(scene.integrator.type, "path")
         self.assertEqual(scene.materials["mirror"].material, "none")
+        self.assertEqual(len(scene.shapes["mirror_sphere"].center), 3)
         self.assertEqual((len(scene.sensors), len(scene.textures), len(scene.media)), (1, 0, 0))
         self.assertGreater(len(scene.lights), 0)
         self.assertEqual(scene.shapes["floor"].bsdf.id, "plaster")
@@ -229,6 +230,75 @@ class Changes(unittest.TestCase):
         scene.add("lamp", {"type": "constant", "radiance": {"type": "rgb", "value": (2, 2, 2)}})
         np.testing.assert_allclose(color(scene), 2 * lit, rtol=1e-4)
 
+    def test_sensors_of_a_call(self):
+        scene = sheaf.load_dict(scenes.wall(second={"type": "perspective", "fov": 10, "film": {
+            "type": "hdrfilm", "width": 4, "height": 3}, "to_world": T.look_at((0, 0, 1), (0, 0, 0), (0, 1, 0))}))
+        self.assertEqual([sensor.id for sensor in scene.sensors()], ["camera", "second"])
+        first = sheaf.render(scene, spp=2)
+        self.assertEqual(first.image.shape, (6, 8, 4))
+        loose = sheaf.load_dict({"type": "perspective", "film": {"type": "hdrfilm", "width": 5, "height": 2}})
+        self.assertEqual(loose.type, "perspective")
+        for sensor, shape in ((1, (3, 4, 4)), (scene.sensors["second"], (3, 4, 4)), (loose, (2, 5, 4)), (0, (6, 8, 4))):
+            result = sheaf.render(scene, spp=2, sensor=sensor)
+            self.assertEqual(result.image.shape, shape)
+        self.assertTrue(result.stats["kept"]["acceleration_structure"])
+        np.testing.assert_array_equal(sheaf.render(scene, spp=2).image, first.image)
+        self.assertEqual(scene.size, (8, 6))
+        direct = sheaf.render(scene, spp=2, integrator={"type": "path", "max_depth": 1})
+        np.testing.assert_array_equal(direct.image[..., :3], 0)
+        with self.assertRaisesRegex(sheaf.UsageError, "sensor 2 does not exist: the scene has 2"):
+            sheaf.render(scene, sensor=2)
+
+    def test_without_sensors(self):
+        dictionary = scenes.wall()
+        camera = dictionary.pop("camera")
+        scene = sheaf.load_dict(dictionary)
+        self.assertEqual(len(scene.sensors), 0)
+        with self.assertRaisesRegex(sheaf.UsageError, "the scene has no sensor"):
+            sheaf.render(scene)
+        self.assertTrue(sheaf.trace(scene, (0, 0, 1), [(0, 0, -1)]).hit.all())
+        lit = sheaf.render(scene, spp=4, sensor=camera).image
+        scene.add("camera", camera)
+        np.testing.assert_array_equal(sheaf.render(scene, spp=4).image, lit)
+
+    def test_parts(self):
+        material = sheaf.load_dict({"type": "twosided", "inner": {"type": "diffuse", "reflectance": "#800000"}})
+        scene = sheaf.load_dict(scenes.wall(bsdf=material, paint=sheaf.load_dict({"type": "plastic"})))
+        self.assertEqual(scene.shapes["square"].bsdf.inner.reflectance, "#800000")
+        self.assertEqual(scene.materials["paint"].type, "plastic")
+        np.testing.assert_allclose(color(scene), (0.2158605, 0, 0), rtol=0.05)
+        mesh = sheaf.load_dict({"type": "mesh", "vertices": scenes.VERTICES, "faces": scenes.FACES})
+        scene.add("again", mesh)
+        np.testing.assert_array_equal(scene.shapes["again"].faces, scenes.FACES)
+
+    def test_nested_references(self):
+        scene = sheaf.load_dict(scenes.wall(
+            ball={"type": "sphere", "center": (0, 0, -9), "bsdf": {"type": "ref", "id": "square.bsdf"}},
+            other={"type": "sphere", "center": (0, 0, -9), "bsdf": {"type": "ref", "id": "named"}},
+            third={"type": "sphere", "center": (0, 0, -9), "bsdf": {"type": "conductor", "id": "named"}}))
+        self.assertEqual(scene.shapes["ball"].bsdf.type, "diffuse")
+        self.assertEqual(scene.shapes["other"].bsdf.type, "conductor")
+        scene.shapes["square"].bsdf.reflectance = (0.1, 0.1, 0.1)
+        self.assertEqual(scene.shapes["ball"].bsdf.reflectance, (0.1, 0.1, 0.1))
+
+    def test_hexadecimal_colors(self):
+        scene = sheaf.load_dict(scenes.wall(bsdf={"type": "diffuse", "reflectance": "#ff8000"}))
+        np.testing.assert_allclose(color(scene), (1, 0.2158605, 0), rtol=0.05, atol=1e-6)
+        scene.shapes["square"].bsdf.reflectance = "#0000ff"
+        np.testing.assert_allclose(color(scene), (0, 0, 1), rtol=0.05, atol=1e-6)
+
+    def test_names_of_materials(self):
+        """BSDFs without an id have the names of hits and of Cryptomatte."""
+        scene = sheaf.load_dict(scenes.wall(
+            bsdf={"type": "twosided", "front": {"type": "diffuse", "reflectance": 0.25}},
+            far={"type": "sphere", "center": (5, 0, 0), "bsdf": {"type": "ref", "id": "last"}},
+            near={"type": "sphere", "center": (9, 0, 0), "bsdf": {"type": "conductor"}}, last={"type": "plastic"}))
+        hits = sheaf.trace(scene, [(0, 0, 1), (5, 0, 9), (9, 0, 9)], np.array([(0, 0, -1)] * 3))
+        found = [scene.materials[hits.material_names[k]].type for k in hits.material]
+        self.assertEqual(found, ["twosided", "plastic", "conductor"])
+        self.assertEqual(set(scene.materials), set(hits.material_names) - {"default"})
+        self.assertEqual(scene.materials["bsdf_1"].type, "twosided")  # by the order in the scene
+
     def test_other_formats(self):
         scene = sheaf.load(scenes.ROOT / "scenes" / "cornell" / "cornell.pbrt")
         self.assertGreater(sheaf.render(scene, spp=1, size=(8, 8)).image[..., :3].max(), 0)
@@ -247,13 +317,37 @@ class Transforms(unittest.TestCase):
         self.assertEqual(T(), T(np.eye(4)))
         self.assertIn("Transform", repr(T()))
 
+    def test_chains(self):
+        """Methods of an instance apply before its transform, as `@` does."""
+        a, b, c = T.translate((1, 2, 3)), T.rotate((0, 1, 0), 30), T.scale((1, 2, 3))
+        for chain in (T().translate((1, 2, 3)).rotate((0, 1, 0), 30).scale((1, 2, 3)),
+                      T.translate((1, 2, 3)).rotate(axis=(0, 1, 0), angle=30).scale((1, 2, 3))):
+            np.testing.assert_allclose(chain.matrix, (a @ b @ c).matrix)
+        look = T.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0))
+        np.testing.assert_allclose(a.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0)).matrix, (a @ look).matrix)
+        np.testing.assert_allclose((a @ np.diag([2, 2, 2, 1])).matrix, (a @ T.scale(2)).matrix)
+        np.testing.assert_allclose((np.diag([2.0, 2, 2, 1]) @ a).matrix, (T.scale(2) @ a).matrix)
+        np.testing.assert_allclose(a @ (1, 1, 1), (2, 3, 4))
+        np.testing.assert_allclose(c.vectors([(1, 1, 1)]), [(1, 2, 3)])
+        np.testing.assert_allclose(c.normals([(0, 1, 0)]), [(0, 0.5, 0)])
+        np.testing.assert_allclose(a.translation(), (1, 2, 3))
+        np.testing.assert_array_equal(np.array(a), a.matrix)
+        self.assertIn("Moves", T.translate.__doc__)
+        self.assertIn("Moves", a.translate.__doc__)
+
     def test_errors(self):
         for make in (lambda: T(np.eye(3)), lambda: T.translate((1, 2)), lambda: T.rotate((0, 0, 0), 3),
                      lambda: T.look_at((0, 0, 0), (0, 0, 0), (0, 1, 0)), lambda: T.scale(np.nan), lambda: T.scale(0).inverse()):
             with self.assertRaises(sheaf.UsageError):
                 make()
-        with self.assertRaises(TypeError):
-            T() @ 3
+        for other in (3, "scale", None, (1, 2), np.eye(3)[:2, :2]):
+            with self.assertRaises(TypeError):
+                T() @ other
+        for make in (lambda: T.rotate((0, 1, 0)), lambda: T.rotate((0, 1, 0), 30, angle=30), lambda: T().scale(by="x")):
+            with self.assertRaises((sheaf.UsageError, ValueError)):
+                make()
+        with self.assertRaises(AttributeError):
+            T().shear(3)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 // The Python module sheaf._sheaf: scenes and images for the package sheaf, which is written in Python. Wraps pybind11.
-#include "core/image/image_compare.h"
 #include "core/io/error.h"
 #include "core/io/version.h"
 #include "core/simd/simd.h"
 #include "scene/xml/xml_values.h"
+#include "tools/python/bindings/module_images.h"
 #include "tools/python/bindings/module_queries.h"
 #include "tools/python/bindings/session.h"
 
@@ -80,6 +80,10 @@ XmlElement& at(XmlElement& root, const TreePath& path) {
   return const_cast<XmlElement&>(at(static_cast<const XmlElement&>(root), path));
 }
 
+std::string text_of(const SourceLocation& where) {
+  return where.line > 0 ? fmt::format("{}:{}", where.file, where.line) : where.file;
+}
+
 /// An element without its grandchildren: (name, attributes, [(name, attributes)], location).
 py::tuple shallow(const XmlElement& element) {
   const auto attributes = [](const XmlElement& of) {
@@ -89,36 +93,48 @@ py::tuple shallow(const XmlElement& element) {
   };
   py::list children;
   for (const XmlElement& child : element.children) children.append(py::make_tuple(child.name, attributes(child)));
-  std::string where = element.where.file;
-  if (element.where.line > 0) where += fmt::format(":{}", element.where.line);
-  return py::make_tuple(element.name, attributes(element), children, where);
+  return py::make_tuple(element.name, attributes(element), children, text_of(element.where));
 }
 
-/// Appends (path, name, id, type) of all elements with one of the names, in order of the file.
+/// Appends (path, name, id, type, location) of all elements with one of the names, in order of the file.
 void list_elements(const XmlElement& element, const std::vector<std::string>& names, TreePath& path, py::list& out) {
   for (std::size_t i = 0; i < element.children.size(); ++i) {
     const XmlElement& child = element.children[i];
     path.push_back(i);
     if (std::find(names.begin(), names.end(), child.name) != names.end()) {
       const std::string *const id = child.find_attribute("id"), *const type = child.find_attribute("type");
-      out.append(py::make_tuple(path, child.name, id != nullptr ? *id : "", type != nullptr ? *type : ""));
+      out.append(py::make_tuple(path, child.name, id != nullptr ? *id : "", type != nullptr ? *type : "",
+                                text_of(child.where)));
     }
     list_elements(child, names, path, out);
     path.pop_back();
   }
 }
 
-/// Sets a child: replaces the one at `index`, or appends it if there is none.
-void set_child(Session& session, const TreePath& path, std::optional<std::size_t> index, const py::tuple& given) {
-  XmlElement child = element_from(given);
+/// Sets children of elements, at once: tuples (path, index, child). Replaces the child at `index`, or appends it if
+/// that is None.
+void set_children(Session& session, const py::list& changes) {
+  struct Change {
+    TreePath path;
+    std::optional<std::size_t> index;
+    XmlElement child;
+  };
+  std::vector<Change> all;
+  for (const py::handle each : changes) {
+    const auto change = each.cast<py::tuple>();
+    all.push_back({change[0].cast<TreePath>(), change[1].cast<std::optional<std::size_t>>(),
+                   element_from(change[2].cast<py::tuple>())});
+  }
   const py::gil_scoped_release unlocked;
   session.edit([&](XmlElement& root) {
-    XmlElement& element = at(root, path);
-    if (child.where.file.empty()) child.where = element.where;
-    if (!index) {
-      element.children.push_back(child);
-    } else if (*index < element.children.size()) {
-      element.children[*index] = child;
+    for (Change& change : all) {
+      XmlElement& element = at(root, change.path);
+      if (change.child.where.file.empty()) change.child.where = element.where;
+      if (!change.index) {
+        element.children.push_back(std::move(change.child));
+      } else if (*change.index < element.children.size()) {
+        element.children[*change.index] = std::move(change.child);
+      }
     }
   });
 }
@@ -133,7 +149,7 @@ void remove_child(Session& session, const TreePath& path, std::size_t index) {
 
 /// The matrix of a <transform>, row by row.
 std::vector<double> matrix_of(const Session& session, const TreePath& path) {
-  const Transform transform = parse_transform(at(session.tree(), path));
+  const Transform transform = parse_transform(at(*session.tree(), path));
   std::vector<double> out;
   for (const auto& row : transform.matrix().m) out.insert(out.end(), row.begin(), row.end());
   return out;
@@ -141,7 +157,8 @@ std::vector<double> matrix_of(const Session& session, const TreePath& path) {
 
 /// A copy of the array of an <array>.
 py::array array_parameter(const Session& session, const TreePath& path) {
-  const XmlElement& element = at(session.tree(), path);
+  const auto root = session.tree();
+  const XmlElement& element = at(*root, path);
   if (element.array == nullptr) throw Error(ExitCode::kUsage, "the parameter is not an array");
   const ArrayValue& array = *element.array;
   const auto copy = [&]<class T>(std::span<const T> values) -> py::array {
@@ -155,6 +172,26 @@ py::array array_parameter(const Session& session, const TreePath& path) {
     default:
       return copy(array.floats());
   }
+}
+
+/// The arrays of the shape's mesh by their names in scenes, without attributes; empty for shapes that have no mesh.
+py::dict mesh_arrays(const Session& session, std::size_t shape) {
+  std::optional<Mesh> mesh;
+  {
+    const py::gil_scoped_release unlocked;
+    mesh = session.mesh(shape);
+  }
+  py::dict out;
+  const auto add = [&out](const char* name, const auto& rows, py::ssize_t columns, const auto* values) {
+    using Number = std::remove_cvref_t<decltype(*values)>;
+    if (!rows.empty()) out[name] = py::array_t<Number>({static_cast<py::ssize_t>(rows.size()), columns}, values);
+  };
+  if (!mesh) return out;
+  add("vertices", mesh->positions, 3, reinterpret_cast<const float*>(mesh->positions.data()));
+  add("faces", mesh->triangles, 3, reinterpret_cast<const std::uint32_t*>(mesh->triangles.data()));
+  add("normals", mesh->normals, 3, reinterpret_cast<const float*>(mesh->normals.data()));
+  add("uv", mesh->uvs, 2, reinterpret_cast<const float*>(mesh->uvs.data()));
+  return out;
 }
 
 /// Calls run() in another thread. Meanwhile handles signals and calls the functions of the user. A signal that raises
@@ -202,46 +239,14 @@ void run_watched(RenderWatch& watch, const py::object& progress, const py::objec
   if (raised) throw *raised;
 }
 
-RenderedImage render(Session& session, const OptionValues& options, const py::object& progress,
-                     const py::object& stop) {
+/// `replacements`: elements as tuples.
+RenderedImage render(Session& session, const OptionValues& options, const py::list& replacements,
+                     const py::object& progress, const py::object& stop) {
   RenderWatch watch;
   RenderedImage out;
-  run_watched(watch, progress, stop, [&] { out = session.render(options, watch); });
-  return out;
-}
-
-/// A view of channels of the image, without a copy if they follow each other: H x W, or H x W x C.
-py::object channels_of(const py::object& self, const std::vector<std::string>& names) {
-  const auto& image = self.cast<const RenderedImage&>().image;
-  std::vector<int> indices;
-  for (const std::string& name : names) {
-    indices.push_back(image.find_channel(name));
-    if (indices.back() < 0) return py::none();
-  }
-  const auto stride = static_cast<py::ssize_t>(image.channels.size() * sizeof(float));
-  const py::ssize_t size = sizeof(float), height = image.height, width = image.width;
-  bool follow = true;
-  for (std::size_t i = 1; i < indices.size(); ++i) follow &= indices[i] == indices[0] + static_cast<int>(i);
-  if (!follow) {
-    py::array_t<float> copy({height, width, static_cast<py::ssize_t>(indices.size())});
-    float* out = copy.mutable_data();
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x)
-        for (const int c : indices) *out++ = image.at(x, y, c);
-    return copy;
-  }
-  std::vector<py::ssize_t> shape{height, width}, strides{width * stride, stride};
-  if (indices.size() > 1) {
-    shape.push_back(static_cast<py::ssize_t>(indices.size()));
-    strides.push_back(size);
-  }
-  return py::array_t<float>(shape, strides, image.data.data() + indices[0], self);
-}
-
-py::dict attributes_of(const RenderedImage& result) {
-  py::dict out;
-  for (const ExrMetadata::Attribute& attribute : result.metadata.attributes)
-    out[py::str(attribute.name)] = std::visit([](const auto& value) { return py::cast(value); }, attribute.value);
+  std::vector<XmlElement> elements;
+  for (const py::handle each : replacements) elements.push_back(element_from(each.cast<py::tuple>()));
+  run_watched(watch, progress, stop, [&] { out = session.render(options, elements, watch); });
   return out;
 }
 
@@ -258,51 +263,6 @@ py::list option_list(const std::vector<OptionHelp>& options) {
   return out;
 }
 
-using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
-
-/// An image H x W x C of 1 channel (Y), 3 (R, G, B) or 4 (and A).
-RenderedImage image_from(const FloatArray& values) {
-  const py::ssize_t channels = values.ndim() == 3 ? values.shape(2) : 0;
-  if ((channels != 1 && channels != 3 && channels != 4) || values.size() == 0 || values.shape(0) > kMaxImageSide ||
-      values.shape(1) > kMaxImageSide)
-    throw Error(ExitCode::kUsage, "expected an image as an array H x W x C with 1, 3 or 4 channels");
-  std::vector<std::string> names{"Y"};
-  if (channels >= 3) names = {"R", "G", "B"};
-  if (channels == 4) names.emplace_back("A");
-  RenderedImage result;
-  result.image = Image(static_cast<int>(values.shape(1)), static_cast<int>(values.shape(0)), std::move(names));
-  std::copy_n(values.data(), values.size(), result.image.data.data());
-  return result;
-}
-
-py::dict compare(const RenderedImage& a, const RenderedImage& b, double significance) {
-  CompareOptions options;
-  options.significance = significance;
-  options.variance_a = variance_layers(a.image);
-  options.variance_b = variance_layers(b.image);
-  ImageComparison result;
-  {
-    const py::gil_scoped_release unlocked;
-    result = compare_images(a.image, b.image, options);
-  }
-  py::dict out;
-  out["width"] = result.width;
-  out["height"] = result.height;
-  out["channels"] = result.channels;
-  out["mse"] = result.mse;
-  out["relative_mse"] = result.relative_mse;
-  out["mean_a"] = result.mean_a;
-  out["mean_b"] = result.mean_b;
-  out["mean_ratio"] = result.mean_ratio;
-  out["non_finite"] = result.non_finite;
-  if (result.z_test) {
-    out["accepted"] = result.z_test->accepted_fraction();
-    out["mean_z_squared"] = result.z_test->mean_z_squared;
-    out["mean_p"] = result.z_test->corrected_mean_p();
-  }
-  return out;
-}
-
 void add_scene(py::module_& m) {
   py::class_<Session>(m, "Session")
       .def(py::init<const std::string&, OptionValues>(), py::call_guard<py::gil_scoped_release>())
@@ -314,51 +274,37 @@ void add_scene(py::module_& m) {
           }))
       .def_property_readonly("has_tree", &Session::has_tree)
       .def_property_readonly("name", &Session::name)
-      .def_property_readonly("notes", [](const Session& s) { return s.description().notes; })
-      .def_property_readonly("substitutions", [](const Session& s) { return s.description().substitutions; })
-      .def_property_readonly(
-          "size",
-          [](const Session& s) { return py::make_tuple(s.description().film.width, s.description().film.height); })
+      .def_property_readonly("notes", [](const Session& s) { return s.summary().notes; })
+      .def_property_readonly("substitutions", [](const Session& s) { return s.summary().substitutions; })
+      .def_property_readonly("size",
+                             [](const Session& s) {
+                               const Session::Summary summary = s.summary();
+                               return py::make_tuple(summary.width, summary.height);
+                             })
+      .def_property_readonly("materials",
+                             [](const Session& s) {
+                               std::vector<std::string> out;
+                               for (const SourceLocation& where : s.summary().materials) out.push_back(text_of(where));
+                               return out;
+                             })
       .def("list",
            [](const Session& s, const std::vector<std::string>& names) {
              py::list out;
              TreePath path;
-             list_elements(s.tree(), names, path, out);
+             list_elements(*s.tree(), names, path, out);
              return out;
            })
-      .def("get", [](const Session& s, const TreePath& path) { return shallow(at(s.tree(), path)); })
-      .def("set", set_child)
+      .def("get", [](const Session& s, const TreePath& path) { return shallow(at(*s.tree(), path)); })
+      .def("set", set_children)
       .def("remove", remove_child)
       .def("matrix", matrix_of)
       .def("array", array_parameter)
-      .def("render", render);
-}
-
-void add_image(py::module_& m) {
-  py::class_<RenderedImage>(m, "Image")
-      .def_static("from_array", image_from)
-      .def_property_readonly("width", [](const RenderedImage& r) { return r.image.width; })
-      .def_property_readonly("height", [](const RenderedImage& r) { return r.image.height; })
-      .def_property_readonly("channels", [](const RenderedImage& r) { return r.image.channels; })
-      .def_property_readonly("offset", [](const RenderedImage& r) { return py::make_tuple(r.image.x0, r.image.y0); })
-      .def_property_readonly(
-          "frame", [](const RenderedImage& r) { return py::make_tuple(r.image.frame_width, r.image.frame_height); })
-      .def_property_readonly("attributes", attributes_of)
-      .def_readonly("stats", &RenderedImage::stats)
-      .def_readonly("warnings", &RenderedImage::warnings)
-      .def_readonly("notes", &RenderedImage::notes)
-      .def_readonly("interrupted", &RenderedImage::interrupted)
-      .def_readonly("kept_scene", &RenderedImage::kept_scene)
-      .def_readonly("kept_accel", &RenderedImage::kept_accel)
-      .def("array", channels_of)
-      .def("write", write_result, py::call_guard<py::gil_scoped_release>())
-      .def("png",
-           [](const RenderedImage& r, const OptionValues& options) {
-             const std::vector<unsigned char> bytes = encode_png(r, options);
-             return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      .def("mesh", mesh_arrays)
+      .def("find_file",
+           [](const Session& s, const std::string& name, const std::string& where) {
+             return s.find_file(name, {where.substr(0, where.rfind(':'))}).string();
            })
-      .def("denoise", denoise_result, py::call_guard<py::gil_scoped_release>())
-      .def("compare", compare);
+      .def("render", render);
 }
 
 /// Errors become sheaf._sheaf.NativeError(message, exit code, file, line), which the package converts. File and line
@@ -388,7 +334,7 @@ PYBIND11_MODULE(_sheaf, m) {
   m.attr("isa") = kIsaName;
   translate_errors(m);
   add_scene(m);
-  add_image(m);
+  add_images(m);
   add_queries(m);
   m.def("render_options", [] { return option_list(render_option_list()); });
   m.def("read_options", [] { return option_list(read_option_list()); });

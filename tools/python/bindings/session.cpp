@@ -4,6 +4,7 @@
 #include "core/io/file_cache.h"
 #include "core/io/inflate.h"
 #include "core/io/memory.h"
+#include "scene/compile/geometry/prepare_mesh.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/console/progress.h"
 #include "tools/job/parts.h"
@@ -11,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <optional>
 #include <set>
 
@@ -43,11 +46,25 @@ SharedFiles& shared_files() {
   return *files;
 }
 
-/// Locks the mutex, or throws if another call holds it.
-std::unique_lock<std::mutex> claim(std::mutex& mutex) {
-  std::unique_lock lock(mutex, std::try_to_lock);
-  if (!lock.owns_lock()) throw Error(ExitCode::kUsage, "the scene is in use by another call");
+/// Locks the mutex when no other render holds it. Throws if `stop` is set meanwhile.
+std::unique_lock<std::timed_mutex> wait_for(std::timed_mutex& mutex, const std::atomic<bool>& stop) {
+  constexpr std::chrono::milliseconds kInterval(50);
+  std::unique_lock lock(mutex, std::defer_lock);
+  while (!lock.try_lock_for(kInterval))
+    if (stop) throw Error(ExitCode::kRuntime, "stopped while another call used the scene");
   return lock;
+}
+
+bool is_shape(const XmlElement& element) { return element.name == "shape" || element.name == "mesh"; }
+
+/// Replaces the children with the names of the replacements; <camera> is another name of <sensor>.
+void replace_children(XmlElement& root, const std::vector<XmlElement>& replacements) {
+  const auto name_of = [](const XmlElement& e) { return e.name == "camera" ? std::string("sensor") : e.name; };
+  std::erase_if(root.children, [&](const XmlElement& child) {
+    return std::any_of(replacements.begin(), replacements.end(),
+                       [&](const XmlElement& each) { return name_of(each) == name_of(child); });
+  });
+  root.children.insert(root.children.end(), replacements.begin(), replacements.end());
 }
 
 /// Options that the compiled scene does not depend on.
@@ -94,8 +111,9 @@ Session::Session(const std::string& file, OptionValues options) : name_(file), r
   try {
     const double start = Progress::steady_seconds();
     if (is_xml_scene(file)) {
-      expanded_ = std::make_unique<ExpandedScene>(expand_scene(file, read_options_));
-      take(read_scene(*expanded_, name_, read_options_));
+      auto scene = std::make_shared<ExpandedScene>(expand_scene(file, read_options_));
+      take(read_scene(*scene, name_, read_options_));
+      expanded_ = std::move(scene);
     } else {
       take(read_scene(file, read_options_));
     }
@@ -112,8 +130,9 @@ Session::Session(XmlElement root, const std::string& name, const std::filesystem
   shared_files().open();
   try {
     const double start = Progress::steady_seconds();
-    expanded_ = std::make_unique<ExpandedScene>(std::move(root), folder, read_options_.lenient);
-    take(read_scene(*expanded_, name_, read_options_));
+    auto scene = std::make_shared<ExpandedScene>(std::move(root), folder, read_options_.lenient);
+    take(read_scene(*scene, name_, read_options_));
+    expanded_ = std::move(scene);
     load_seconds_ = Progress::steady_seconds() - start;
   } catch (...) {
     shared_files().close();
@@ -124,32 +143,69 @@ Session::Session(XmlElement root, const std::string& name, const std::filesystem
 Session::~Session() { shared_files().close(); }
 
 void Session::take(Description description) {
+  {
+    const std::lock_guard lock(tree_mutex_);
+    summary_ = {description.film.width, description.film.height, description.notes, description.substitutions, {}};
+    for (const MaterialDescription& material : description.materials) summary_.materials.push_back(material.where);
+  }
   loaded_.description = std::move(description);
   replaced_.reset();
   compiled_for_.clear();
 }
 
-const XmlElement& Session::tree() const {
-  if (expanded_ == nullptr)
+std::shared_ptr<const ExpandedScene> Session::expanded() const {
+  const std::lock_guard lock(tree_mutex_);
+  return expanded_;
+}
+
+Session::Summary Session::summary() const {
+  const std::lock_guard lock(tree_mutex_);
+  return summary_;
+}
+
+std::shared_ptr<const XmlElement> Session::tree() const {
+  const std::shared_ptr<const ExpandedScene> scene = expanded();
+  if (scene == nullptr)
     throw Error(ExitCode::kUsage,
                 name_ + " cannot be changed or inspected: expected a scene of Mitsuba or Nori or from a dictionary");
-  return expanded_->root();
+  return {scene, &scene->root()};
 }
 
 void Session::edit(const std::function<void(XmlElement& root)>& change) {
-  const auto lock = claim(mutex_);
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) throw Error(ExitCode::kUsage, "the scene is in use by another call");
   const double start = Progress::steady_seconds();
-  XmlElement root = tree();
+  XmlElement root = *tree();
   change(root);
-  auto changed = std::make_unique<ExpandedScene>(std::move(root), *expanded_);
+  auto changed = std::make_shared<ExpandedScene>(std::move(root), *expanded_);
   Description description = read_scene(*changed, name_, read_options_);
-  expanded_ = std::move(changed);
+  {
+    const std::lock_guard tree_lock(tree_mutex_);
+    expanded_ = std::move(changed);
+  }
   is_changed_ = true;
   take(std::move(description));
   load_seconds_ = Progress::steady_seconds() - start;
 }
 
-void Session::prepare_job(const OptionValues& options, Job& job) {
+std::optional<Mesh> Session::mesh(std::size_t shape) const {
+  const std::shared_ptr<const ExpandedScene> scene = expanded();
+  XmlElement root = *tree();
+  if (shape >= root.children.size() || !is_shape(root.children[shape])) return {};
+  const XmlElement wanted = root.children[shape];
+  std::erase_if(root.children, is_shape);
+  root.children.push_back(wanted);
+  ExpandedScene alone(std::move(root), *scene);
+  const Description description = read_scene(alone, name_, read_options_);
+  if (description.shapes.size() != 1 || !has_prepared_mesh(description.shapes.front())) return {};
+  return prepare_mesh(description.shapes.front(), description.shutter).mesh;
+}
+
+std::filesystem::path Session::find_file(const std::string& name, const SourceLocation& where) const {
+  return ExpandedScene(XmlElement(), *expanded()).find_file(name, where);
+}
+
+void Session::prepare_job(const OptionValues& options, const std::vector<XmlElement>& replacements, Job& job) {
   OptionValues values = options;
   values.insert(read_values_.begin(), read_values_.end());
   job.given = job.command.set(values);
@@ -161,7 +217,14 @@ void Session::prepare_job(const OptionValues& options, Job& job) {
   // Apply them to the scene as it was read
   if (replaced_) loaded_.description = std::move(*replaced_);
   replaced_.reset();
-  if (!job.arguments.integrator.empty()) replaced_ = loaded_.description;
+  if (!job.arguments.integrator.empty() || !replacements.empty()) replaced_ = loaded_.description;
+  if (!replacements.empty()) {
+    XmlElement root = *tree();
+    replace_children(root, replacements);
+    ExpandedScene changed(std::move(root), *expanded_);
+    loaded_.description = read_scene(changed, name_, read_options_);
+    for (const XmlElement& each : replacements) job.compiled_for += fmt::format("{:08x}\n", check_sum_of(each, 0));
+  }
   prepare(job.arguments, loaded_);
 }
 
@@ -188,14 +251,15 @@ RecordedSettings Session::settings_of(const Job& job) const {
       recorded_settings(job.given, expanded_ != nullptr ? expanded_->files() : loaded_.description.files);
   if (is_changed_)
     settings.push_back(
-        {"the scene of the program", fmt::format("{:08x}", check_sum_of(tree(), 0)), RecordedSetting::Kind::kFile});
+        {"the scene of the program", fmt::format("{:08x}", check_sum_of(*tree(), 0)), RecordedSetting::Kind::kFile});
   return settings;
 }
 
-RenderedImage Session::render(const OptionValues& options, RenderWatch& watch) {
-  const auto lock = claim(mutex_);
+RenderedImage Session::render(const OptionValues& options, const std::vector<XmlElement>& replacements,
+                              RenderWatch& watch) {
+  const auto lock = wait_for(mutex_, watch.stop);
   Job job;
-  prepare_job(options, job);
+  prepare_job(options, replacements, job);
   compile_job(job);
   // Render
   RenderControl control = control_of(job.arguments);
@@ -233,9 +297,9 @@ RenderedImage Session::render(const OptionValues& options, RenderWatch& watch) {
 }
 
 void Session::with_scene(const OptionValues& options, const std::function<void(const LoadedScene&)>& use) {
-  const auto lock = claim(mutex_);
+  const std::lock_guard lock(mutex_);
   Job job;
-  prepare_job(options, job);
+  prepare_job(options, {}, job);
   compile_job(job);
   use(loaded_);
 }

@@ -42,7 +42,8 @@ using OptionValues = std::map<std::string, OptionValue>;
 /// Indices of children, from the root of a tree to an element.
 using TreePath = std::vector<std::size_t>;
 
-/// Throws Error (exit code 2) when a second thread calls a member function meanwhile.
+/// Safe to use from several threads. Renders and queries wait for each other: the compiled scene is that of one call. A
+/// change while another call uses the scene throws Error (exit code 2).
 class Session {
  public:
   /// Reads a file. `options`: those that read_options.h declares. Throws Error.
@@ -54,37 +55,53 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Whether the scene is a tree that can be changed.
-  bool has_tree() const { return expanded_ != nullptr; }
-  /// The root of the tree. Throws Error (exit code 2) without one.
-  const XmlElement& tree() const;
+  bool has_tree() const { return expanded() != nullptr; }
+  /// The root of the tree, as it is now. Throws Error (exit code 2) without one.
+  std::shared_ptr<const XmlElement> tree() const;
   /// Calls `change` for a copy of the tree, and reads it. If that fails, the scene remains as it was.
   void edit(const std::function<void(XmlElement& root)>& change);
 
-  /// Renders. `options`: those of `sheaf render`. Throws Error.
-  RenderedImage render(const OptionValues& options, RenderWatch& watch);
+  /// Renders. `options`: those of `sheaf render`. `replacements`: elements that replace those of their names in the
+  /// root, such as <sensor>, for this render. Throws Error.
+  RenderedImage render(const OptionValues& options, const std::vector<XmlElement>& replacements, RenderWatch& watch);
 
   /// Calls `use` with the scene compiled for a render with these options.
   void with_scene(const OptionValues& options, const std::function<void(const LoadedScene&)>& use);
 
+  /// The mesh of the shape with this index in the root: world space, without degenerate triangles. Nothing for shapes
+  /// that are not meshes, rectangles or cubes. Throws Error.
+  std::optional<Mesh> mesh(std::size_t shape) const;
+
+  /// The file `name` that an element at `where` refers to. Throws Error.
+  std::filesystem::path find_file(const std::string& name, const SourceLocation& where) const;
+
   const std::string& name() const { return name_; }
-  /// Notes and substitutions of reading.
-  const Description& description() const { return loaded_.description; }
+  /// What is known of the scene as it was read.
+  struct Summary {
+    int width = 0, height = 0;
+    std::vector<std::string> notes, substitutions;
+    std::vector<SourceLocation> materials;  ///< location of each material, in the order of their numbers
+  };
+  Summary summary() const;
 
  private:
   struct Job;
   void take(Description description);
-  void prepare_job(const OptionValues& options, Job& job);
+  std::shared_ptr<const ExpandedScene> expanded() const;
+  void prepare_job(const OptionValues& options, const std::vector<XmlElement>& replacements, Job& job);
   void compile_job(Job& job);
   RecordedSettings settings_of(const Job& job) const;
 
-  std::mutex mutex_;
+  std::timed_mutex mutex_;         ///< of all members but those below
+  mutable std::mutex tree_mutex_;  ///< of expanded_ and summary_, which other threads read during a render
+  std::shared_ptr<const ExpandedScene> expanded_;  ///< null for formats other than XML
+  Summary summary_;
   std::string name_;
   OptionValues read_values_;
   ReadOptions read_options_;
-  std::unique_ptr<ExpandedScene> expanded_;  ///< null for formats other than XML
-  bool is_changed_ = false;                  ///< the tree is not that of the file
+  bool is_changed_ = false;  ///< the tree is not that of the file
   LoadedScene loaded_;
-  std::optional<Description> replaced_;  ///< the scene as read, if an integrator of the options has changed it
+  std::optional<Description> replaced_;  ///< the scene as read, if options or replacements have changed it
   double load_seconds_ = 0;
   KeptGeometry kept_;
   std::string compiled_for_;  ///< the options that the compiled scene depends on

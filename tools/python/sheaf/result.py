@@ -2,7 +2,7 @@
 
 import json
 import os
-from typing import Any, Callable, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
@@ -105,6 +105,21 @@ class Result:
     def _repr_png_(self) -> bytes:
         return self.png()
 
+    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        return np.array(self.image, dtype=dtype) if copy or dtype is not None else self.image
+
+    def _pixels(self) -> np.ndarray:
+        """For textures: linear colors, of one or three channels."""
+        found = self._native.array(["R", "G", "B"])
+        return self._native.array(self._native.channels[:1]) if found is None else found
+
+    def __getstate__(self) -> tuple:
+        return self._native.state()
+
+    def __setstate__(self, state: tuple) -> None:
+        with converted_errors():
+            self._native = native.Image.from_state(state)
+
     def __repr__(self) -> str:
         return f"<sheaf.Result {self._native.width} x {self._native.height}, layers: {', '.join(self.layers)}>"
 
@@ -150,6 +165,3 @@ def merge(parts: Sequence[Union[Result, str]], crop: Optional[Sequence[int]] = N
     """Merges parts of an image that were rendered with `crop` or `samples`: results or files."""
     with converted_errors():
         return Result(native.merge([_result(part)._native for part in parts], list(crop or []), incomplete))
-
-
-Progress = Callable[[int, int], Any]

@@ -2,8 +2,9 @@
 
 import difflib
 import os
+import re
 import warnings
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
@@ -47,6 +48,17 @@ class Object:
         object.__setattr__(self, "_scene", scene)
         object.__setattr__(self, "_path", (scene._structure, tuple(path)))
 
+    def _child(self, index: int) -> "Object":
+        return Object(self._scene, (*self._path[1], index))
+
+    def _element(self) -> tuple:
+        """The element with all that it contains, for another scene."""
+        element, attributes, children, where = self._get()
+        if element == "array":
+            with converted_errors():
+                return (element, attributes, [], where, self._scene._session.array(self._path[1]))
+        return (element, attributes, [self._child(index)._element() for index in range(len(children))], where)
+
     def _get(self):
         structure, path = self._path
         if structure != self._scene._structure:
@@ -72,9 +84,9 @@ class Object:
                 given = element if by_kind else attributes.get("name", "")
                 if _key(given) == _key(name):
                     return index, element, attributes
-        # References without a name, by the element that they refer to
+        # References by the element that they refer to
         for index, (element, attributes) in enumerate(children):
-            if element == "ref" and not attributes.get("name"):
+            if element == "ref":
                 target = self._scene._find_id(attributes.get("id", ""))
                 if target is not None and _key(target._get()[0]) == _key(name):
                     return index, element, attributes
@@ -114,6 +126,8 @@ class Object:
         if element == "array":
             return self._array(index)
         text = attributes.get("value", "")
+        if not text and any(axis in attributes for axis in "xyz"):
+            text = " ".join(attributes.get(axis, "0") for axis in "xyz")
         numbers = _numbers(text)
         if element == "boolean":
             return text.lower() == "true"
@@ -127,7 +141,7 @@ class Object:
         element, _, _, place = self._get()
         found = self._find(name)
         now = found[1] if found else None
-        if isinstance(value, Object):
+        if isinstance(value, Object) and value._scene is self._scene:
             if not value.id:
                 raise UsageError("the object has no id, to which another one could refer")
             value = {"type": "ref", "id": value.id}
@@ -137,7 +151,7 @@ class Object:
         for last, choice in zip([*[False] * (len(choices) - 1), True], choices):
             try:
                 with converted_errors():
-                    self._scene._session.set(self._path[1], found[0] if found else None, choice)
+                    self._scene._session.set([(self._path[1], found[0] if found else None, choice)])
                 return
             except SceneError:
                 if last:
@@ -162,7 +176,9 @@ class Object:
 
 
 class Objects(Mapping[str, Object]):
-    """The objects of a kind by their ids; those without an id by element and number, such as "bsdf_2"."""
+    """The objects of a kind by their ids. BSDFs without an id are named like in Cryptomatte and hits, such as "material_2";
+    other objects without an id by element and number, such as "shape_2". Calls return a list: scene.sensors()[0].
+    """
 
     def __init__(self, scene: "Scene", elements: List[str]):
         self._scene, self._elements = scene, elements
@@ -170,11 +186,23 @@ class Objects(Mapping[str, Object]):
     def _paths(self) -> Dict[str, Tuple[int, ...]]:
         with converted_errors():
             found = self._scene._session.list(self._elements)
-        return {identity or f"{element}_{number}": tuple(path)
-                for number, (path, element, identity, _) in enumerate(found, 1)}
+        numbers = self._scene._material_numbers() if self._elements == _KINDS["materials"] else {}
+        out = {}
+        for number, (path, element, identity, _, _) in enumerate(found, 1):
+            if identity == tree.NO_SENSOR:
+                continue
+            name = f"material_{numbers[tuple(path)]}" if tuple(path) in numbers else f"{element}_{number}"
+            out[identity or name] = tuple(path)
+        return out
+
+    def __call__(self) -> List[Object]:
+        return list(self.values())
 
     def __getitem__(self, name: str) -> Object:
         paths = self._paths()
+        numbered = re.fullmatch("bsdf_([1-9][0-9]*)", name)
+        if name not in paths and numbered and int(numbered[1]) <= len(paths):  # by the number of its element
+            return Object(self._scene, list(paths.values())[int(numbered[1]) - 1])
         if name not in paths:
             near = difflib.get_close_matches(name, paths, 1)
             raise KeyError(f"no {self._elements[0]} is named '{name}'" + (f", did you mean '{near[0]}'?" if near else ""))
@@ -200,9 +228,13 @@ class Scene:
 
     @classmethod
     def _from_file(cls, file: str, options: List[str]) -> "Scene":
-        scene = cls.__new__(cls)
         with converted_errors():
-            scene._take(native.Session(file, options))
+            return cls._of(native.Session(file, options))
+
+    @classmethod
+    def _of(cls, session) -> "Scene":
+        scene = cls.__new__(cls)
+        scene._take(session)
         return scene
 
     def _take(self, session) -> None:
@@ -221,14 +253,27 @@ class Scene:
         """Remarks about the scene that are no warnings."""
         return self._session.notes
 
+    def _material_numbers(self) -> Dict[Tuple[int, ...], int]:
+        """The numbers of BSDFs in Cryptomatte and hits, by path: in the order of reading, nested ones first."""
+        with converted_errors():
+            found = self._session.list(_KINDS["materials"])
+            places: Dict[str, List[int]] = {}
+            for number, where in enumerate(self._session.materials, 1):
+                places.setdefault(where, []).append(number)
+        out = {}
+        for path, _, _, _, where in sorted(found, key=lambda entry: (*entry[0], float("inf"))):
+            if places.get(where):
+                out[tuple(path)] = places[where].pop(0)
+        return out
+
     def _first(self, element: List[str]) -> Optional[Object]:
         with converted_errors():
             found = self._session.list(element)
-        return Object(self, tuple(found[0][0])) if found else None
+        return Object(self, tuple(found[0][0])) if found and found[0][2] != tree.NO_SENSOR else None
 
     def _find_id(self, identity: str) -> Optional[Object]:
         with converted_errors():
-            for path, _, known, _ in self._session.list(_OBJECT):
+            for path, _, known, _, _ in self._session.list(_OBJECT):
                 if known == identity:
                     return Object(self, tuple(path))
         return None
@@ -236,10 +281,12 @@ class Scene:
     @property
     def camera(self) -> Object:
         """The first sensor."""
-        found = self._first(_KINDS["sensors"])
-        if found is None:
-            raise UsageError("the scene has no sensor")
-        return found
+        self._require_sensor()
+        return self._first(_KINDS["sensors"])
+
+    def _require_sensor(self) -> None:
+        if self._session.has_tree and self._first(_KINDS["sensors"]) is None:
+            raise UsageError("the scene has no sensor: add one, or render with the argument `sensor`")
 
     @property
     def film(self) -> Object:
@@ -274,6 +321,8 @@ class Scene:
         """All emitters, also those of shapes."""
         return Objects(self, _KINDS["lights"])
 
+    emitters = lights
+
     @property
     def media(self) -> Objects:
         """All participating media."""
@@ -286,11 +335,10 @@ class Scene:
 
     def add(self, key: str, dictionary: Dict[str, Any]) -> Object:
         """Adds an object with this id."""
-        if not isinstance(dictionary, dict) or not isinstance(dictionary.get("type"), str):
-            raise SceneError.at(f"dictionary.{key}", "expected a dictionary with a 'type'")
+        element = tree.object_of(key, dictionary, f"dictionary.{key}")
+        missing = self._find_id(tree.NO_SENSOR) if element[0] == "sensor" else None
         with converted_errors():
-            element = tree.from_dict(key, dictionary, "scene", f"dictionary.{key}", identify=True)
-            self._session.set((), None, element)
+            self._session.set([((), missing._path[1][0] if missing else None, element)])
         self._structure += 1
         return self._find_id(key)
 
@@ -318,6 +366,16 @@ def load(file, defines: Optional[Dict[str, Any]] = None, lenient: bool = False, 
     return Scene._from_file(os.fspath(file), values("load", {"defines": given, "lenient": lenient, **options}))
 
 
-def load_dict(dictionary: Dict[str, Any], folder: str = ".", lenient: bool = False, **options: Any) -> Scene:
-    """Makes a scene from a dictionary as Mitsuba's load_dict() does. Relative paths refer to `folder`."""
-    return Scene(dictionary, folder, lenient, **options)
+def load_dict(dictionary: Dict[str, Any], folder: str = ".", lenient: bool = False,
+              **options: Any) -> Union[Scene, Object]:
+    """Makes a scene from a dictionary as Mitsuba's load_dict() does. Relative paths refer to `folder`.
+
+    Of a dictionary of another plugin, makes an Object, which dictionaries may contain.
+    """
+    names = {name for names in tree.plugins().values() for name in names}
+    if not isinstance(dictionary, dict) or dictionary.get("type") not in names:
+        return Scene(dictionary, folder, lenient, **options)
+    with converted_errors():
+        given = values("load", {"lenient": lenient, **options})
+        session = native.Session(tree.part_tree(dictionary), "dictionary", os.fspath(folder), given)
+    return Object(Scene._of(session), (0,))
