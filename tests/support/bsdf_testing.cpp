@@ -125,6 +125,10 @@ void check_bsdf_weights(const BsdfView& bsdf, double tolerance) {
 }
 
 void check_bsdf_reciprocity(const BsdfView& bsdf, double eta) {
+  // Rounding of the half vector changes values in the tails of a lobe, and refraction close to total reflection, by up
+  // to all of their size. Without FMA it rounds twice as often.
+  const float root = 1 + 0x1p-12f;
+  const double rounding = fma(root, root, -(root * root)) != 0.0f ? 1e-6 : 2e-6;
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const Vec3f wo = random_direction(13, i), wi = random_direction(14, i);
     const auto scaled = [eta](const Spectrum4& f, Vec3f to) {
@@ -132,8 +136,7 @@ void check_bsdf_reciprocity(const BsdfView& bsdf, double eta) {
       return std::array<double, 3>{f.c0 * scale, f.c1 * scale, f.c2 * scale};
     };
     const auto there = scaled(bsdf.evaluate(wo, wi).f_cos, wi), back = scaled(bsdf.evaluate(wi, wo).f_cos, wo);
-    // In the tails of a lobe, rounding of the half vector changes values by up to all of their size
-    for (std::size_t c = 0; c < 3; ++c) CHECK(there[c] == within(back[c], 1e-3 * std::fabs(back[c]) + 1e-6));
+    for (std::size_t c = 0; c < 3; ++c) CHECK(there[c] == within(back[c], 1e-3 * std::fabs(back[c]) + rounding));
   }
 }
 

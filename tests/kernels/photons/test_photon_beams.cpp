@@ -138,7 +138,7 @@ TEST_CASE("line query: every beam near a ray is found once however beams are spl
       CHECK(static_cast<double>(line.t) == near(n.t, 1e-3));
       CHECK(static_cast<double>(line.along) == near(n.along, 1e-3));
       CHECK(std::sqrt(static_cast<double>(line.squared)) == near(n.distance / radius, 2e-3));
-      CHECK(static_cast<double>(line.cosine) == near(n.cosine, 1e-4));
+      CHECK(static_cast<double>(line.cosine) == within(n.cosine, 1e-4 * std::fabs(n.cosine) + 1e-7));
       CHECK(static_cast<double>(line.sine) == near(n.sine, 1e-4));
     }
     in_all += found[0].size();
