@@ -45,6 +45,7 @@ class DisplayTransform {
   }
   /// Whether exposure_of() depends on the image.
   bool is_automatic() const { return !settings_.exposure; }
+  const DisplaySettings& settings() const { return settings_; }
   /// Exposure of an image, stops.
   double exposure_of(const Image& image) const;
   /// The displayed image: R, G and B, or the channel shown as gray, and A if the image has them. Colors are linear

@@ -4,6 +4,7 @@
 #include "core/io/memory.h"
 #include "core/io/output_file.h"
 #include "kernels/render/render.h"
+#include "scene/compile/move_camera.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/render_scene.h"
@@ -180,8 +181,8 @@ struct WrittenImage {
   WrittenImages written;
 };
 
-/// Denoises the image of `result` and writes it. Frees the film of `result`.
-WrittenImage write_result(const RenderJob& job, RenderResult& result) {
+/// Denoises the image of `result` and writes it to the files. Frees the film of `result`.
+WrittenImage write_result(const RenderJob& job, const std::vector<fs::path>& files, RenderResult& result) {
   WrittenImage out{result.to_image(), true, {}};
   result.film = Film();  // free its memory before writing
   ExrMetadata metadata = make_metadata(job.arguments, job, result.report, out.image);
@@ -189,7 +190,7 @@ WrittenImage write_result(const RenderJob& job, RenderResult& result) {
   if (!job.part.empty()) add_part_attributes(metadata, job.part, result.samples);
   // If denoising fails, the noisy image can still be written
   out.is_denoised = try_to_write([&] { add_denoised(job.arguments, out.image, metadata); });
-  out.written = write_images(job.outputs, out.image, metadata, job.output);
+  out.written = write_images(files, out.image, metadata, job.output);
   if (out.is_denoised) out.written.denoiser = job.arguments.denoiser;
   return out;
 }
@@ -199,6 +200,98 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   report.peak_rss_bytes = peak_rss_bytes();
   report.peak_private_bytes = peak_private_bytes();
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
+}
+
+/// What the renders of a compiled scene share.
+struct CompiledRender {
+  RenderJob& job;
+  Checkpointer& checkpointer;
+  Preview& preview;
+  RepeatedRender* repeated;  ///< null: rendered once
+  FrameRun* frames;          ///< null: a single image
+  double load_seconds, build_seconds;
+};
+
+/// Renders, writes the outputs, and prints the summary. Returns the exit code; 0 for a render that ends because
+/// another one follows.
+int render_compiled(const CompiledRender& run, std::optional<RenderState> resumed) {
+  RenderJob& job = run.job;
+  const RenderArguments& arguments = job.arguments;
+  std::string note;
+  const RenderSettings settings = continued_settings(job.settings, resumed, note);
+  if (!note.empty()) print_note(note);
+  RenderControl control = control_of(arguments);
+  control.resume = resumed ? &*resumed : nullptr;
+  const InterruptGuard guard;
+  if (run.repeated != nullptr && run.repeated->camera.has_moved()) InterruptGuard::request_stop();
+  const bool writes = run.repeated == nullptr || run.repeated->camera.is_at_home();
+  const auto show = [&](const RenderState& state, const RenderReport& report) {
+    if (writes) write_so_far(job, state, report);
+  };
+  RenderResult result =
+      render_with_progress(*job.scene, settings, std::move(control), run.checkpointer, run.preview, show);
+  if (run.repeated != nullptr && result.interrupted && InterruptGuard::signal() == 0) return 0;
+  run.preview.begin_writing();
+  result.report.scene = arguments.scene;
+  result.report.color = job.color_name();
+  add_loading(result.report, job, run.load_seconds, run.build_seconds);
+
+  // Write image and statistics
+  const std::vector<fs::path> files = writes ? job.outputs : std::vector<fs::path>{};
+  const WrittenImage written = write_result(job, files, result);
+  bool complete = written.written.files.size() == files.size() && run.checkpointer.is_saved();
+  if (writes) complete &= write_statistics(arguments, result.report);
+  print_end(result, written.written, job.description.substitutions.size(), run.frames);
+  if (run.frames != nullptr) keep_geometry(std::move(job.scene), run.frames->geometry);
+
+  // Report the outcome
+  const bool failed = !complete || !written.is_denoised;
+  run.preview.finish(failed ? "failed" : result.interrupted ? "interrupted" : "done", written.image, result.report);
+  if (!complete) return static_cast<int>(ExitCode::kOutput);
+  if (!written.is_denoised) return static_cast<int>(ExitCode::kRuntime);
+  return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
+}
+
+/// Detaches the camera from a scene before that is destroyed.
+class CameraAttachment {
+ public:
+  CameraAttachment(CameraControl& camera, RenderJob& job) : camera_(camera) {
+    if (const auto moved = camera.begin_scene(job.description, job.settings.film)) {
+      move_camera(*moved, job.settings.film, job.scene);
+      job.description.camera = *moved;
+    }
+    camera.attach(*job.scene, job.settings.crop);
+  }
+  ~CameraAttachment() { camera_.detach(); }
+  CameraAttachment(const CameraAttachment&) = delete;
+  CameraAttachment& operator=(const CameraAttachment&) = delete;
+
+ private:
+  CameraControl& camera_;
+};
+
+/// Renders a compiled scene, and again when the camera was moved, until the scene changes. Returns the exit code.
+int render_while_camera_moves(const CompiledRender& run) {
+  RepeatedRender& repeated = *run.repeated;
+  RenderJob& job = run.job;
+  int code = 0;
+  {
+    const CameraAttachment attachment(repeated.camera, job);
+    code = render_compiled(run, std::nullopt);
+    while (InterruptGuard::signal() == 0 && repeated.wait_for_move()) {
+      repeated.frames.follow(job, control_of(job.arguments), repeated.camera, repeated.preview);
+      // The motion of the file's camera is compiled anew
+      if (repeated.camera.is_at_home() && job.description.camera.motion) {
+        repeated.camera.detach();
+        keep_geometry(std::move(job.scene), repeated.geometry);
+        compile(job.arguments, job, &repeated.geometry);
+        repeated.camera.attach(*job.scene, job.settings.crop);
+      }
+      code = render_compiled(run, std::nullopt);
+    }
+  }
+  keep_geometry(std::move(job.scene), repeated.geometry);
+  return code;
 }
 
 }  // namespace
@@ -233,38 +326,14 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  compile(arguments, job, frames != nullptr ? &frames->geometry : nullptr);
+  compile(arguments, job, frames != nullptr ? &frames->geometry : repeated != nullptr ? &repeated->geometry : nullptr);
   const double build_end = Progress::steady_seconds();
   print_start(job, frames);
 
   // Render
-  std::string note;
-  const RenderSettings settings = continued_settings(job.settings, resumed, note);
-  if (!note.empty()) print_note(note);
-  RenderControl control = control_of(arguments);
-  control.resume = resumed ? &*resumed : nullptr;
-  const InterruptGuard guard;
-  const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
-  RenderResult result = render_with_progress(*job.scene, settings, std::move(control), checkpointer, preview, show);
-  if (repeated != nullptr && result.interrupted && InterruptGuard::signal() == 0) return 0;  // the scene has changed
-  preview.begin_writing();
-  result.report.scene = arguments.scene;
-  result.report.color = job.color_name();
-  add_loading(result.report, job, build_start - load_start, build_end - build_start);
-
-  // Write image and statistics
-  const WrittenImage written = write_result(job, result);
-  bool complete = written.written.files.size() == job.outputs.size() && checkpointer.is_saved();
-  complete &= write_statistics(arguments, result.report);
-  print_end(result, written.written, job.description.substitutions.size(), frames);
-  if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
-
-  // Report the outcome
-  const bool failed = !complete || !written.is_denoised;
-  preview.finish(failed ? "failed" : result.interrupted ? "interrupted" : "done", written.image, result.report);
-  if (!complete) return static_cast<int>(ExitCode::kOutput);
-  if (!written.is_denoised) return static_cast<int>(ExitCode::kRuntime);
-  return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
+  const CompiledRender run{
+      job, checkpointer, preview, repeated, frames, build_start - load_start, build_end - build_start};
+  return repeated != nullptr ? render_while_camera_moves(run) : render_compiled(run, std::move(resumed));
 }
 
 namespace {

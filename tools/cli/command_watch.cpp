@@ -1,4 +1,4 @@
-// sheaf watch: renders a scene, and again whenever one of its files changes, with previews.
+// sheaf watch: renders a scene, and again whenever one of its files changes or its camera is moved, with previews.
 #include "core/io/error.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/render_scene.h"
@@ -15,13 +15,22 @@ namespace {
 
 constexpr const char* kDefaultPort = "8080";
 
+/// A line for each error of the scene.
+std::string errors_text(const Error& error) {
+  const auto* several = dynamic_cast<const SceneErrors*>(&error);
+  if (several == nullptr) return printable(error.what());
+  std::string text;
+  for (const SceneError& each : several->all()) text += (text.empty() ? "" : "\n") + printable(each.what());
+  return text;
+}
+
 /// Renders the scene once. Returns the exit code; errors are printed.
 int render_once(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender& render) {
   try {
     return render_scene(arguments, given, &render);
   } catch (const Error& error) {
     print_error(error);
-    render.preview.fail();
+    render.preview.fail(errors_text(error));
     return static_cast<int>(error.exit_code());
   }
 }
@@ -38,10 +47,22 @@ int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& give
                 "-D frame=N");
   if (arguments.preview.serve.empty() && arguments.preview.tev.empty()) arguments.preview.serve = kDefaultPort;
   const std::filesystem::path scene = arguments.scene;
+  CameraControl camera(InterruptGuard::request_stop);
   Preview preview(arguments.preview, arguments.scene, scene.stem().string() + ".exr",
-                  output_settings(arguments.output).display, true);
-  RepeatedRender render{preview, {scene}};
+                  output_settings(arguments.output).display, true, &camera);
+  RepeatedRender render{preview, camera, {scene}};
   FileWatcher watcher(InterruptGuard::request_stop);
+  const auto announce = [&] {
+    watcher.watch(render.files);
+    if (!watcher.has_changed() && !camera.has_moved()) print_note("waiting for changes of the scene");
+  };
+  render.wait_for_move = [&] {
+    constexpr double kInterval = 0.05;  // s
+    announce();
+    while (!watcher.has_changed())
+      if (camera.wait(kInterval)) return true;
+    return false;
+  };
   for (;;) {
     // Render
     watcher.begin();
@@ -51,8 +72,7 @@ int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& give
     // Users can correct the scene, but not the options
     if (exit_code == static_cast<int>(ExitCode::kUsage) || InterruptGuard::signal() != 0) return exit_code;
     // Wait for changes
-    watcher.watch(render.files);
-    if (!watcher.has_changed()) print_note("waiting for changes of the scene");
+    if (!watcher.has_changed()) announce();
     watcher.wait();
     print_note("the scene has changed");
   }
@@ -64,8 +84,9 @@ void add_watch_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = add_render_options(
       program, *arguments, "watch",
-      "Render a scene with a preview, and again whenever one of its files changes. Serves the preview "
-      "at port 8080 unless --serve or --tev is given. Writes images only with --output.");
+      "Render a scene with a preview, and again whenever one of its files changes or the camera is moved on the page. "
+      "Serves the preview at port 8080 unless --serve or --tev is given. Writes images only with --output, and none of "
+      "a moved camera.");
   command.on_call([arguments, command, &exit_code] {
     set_verbosity(arguments->verbosity.verbosity());
     choose_denoiser(arguments->denoiser);

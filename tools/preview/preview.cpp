@@ -4,6 +4,7 @@
 #include "kernels/render/render.h"
 #include "tools/console/messages.h"
 #include "tools/console/progress.h"
+#include "tools/preview/displayed_layer.h"
 #include "tools/preview/live_page.h"
 #include "tools/preview/tev.h"
 #include "tools/report/report_text.h"
@@ -60,12 +61,13 @@ void fill_gaps(Image& image, const Image& other) {
   }
 }
 
-/// The settings of a render of the same pixels with few samples, without further layers.
-RenderSettings first_pass(const RenderSettings& settings, std::uint32_t samples) {
+/// The settings of a render of the same pixels with few samples. `with_layers`: with those that pages show.
+RenderSettings first_pass(const RenderSettings& settings, std::uint32_t samples, bool with_layers) {
   RenderRequest request;
   request.samples_per_pixel = samples;
   request.replicates = 1;
   request.crop = settings.crop;
+  if (with_layers) request.aovs = page_layers(settings.integrator);
   return resolve_settings(settings, settings.color, request);
 }
 
@@ -89,14 +91,14 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
 }
 
 Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
-                 DisplayTransform display, bool repeats)
+                 DisplayTransform display, bool repeats, CameraControl* camera)
     : repeats_(repeats), display_(std::move(display)) {
   if (!arguments.tev.empty())
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
                                        [](const std::string& text) { print_note(text); });
   if (arguments.serve.empty()) return;
-  page_ =
-      std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, display_, repeats);
+  page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, display_,
+                                     repeats, camera);
   print_note("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
@@ -105,6 +107,16 @@ Preview::~Preview() { listen_to_messages(nullptr); }
 
 void Preview::begin_scene() {
   if (page_) page_->begin_scene();
+}
+
+void Preview::begin_move() {
+  if (page_) page_->begin_move();
+}
+
+void Preview::show_move(const RenderResult& result) {
+  const auto image = std::make_shared<const Image>(result.film.to_image());
+  if (page_) page_->set_image(beauty_of(*image), image);
+  if (tev_ && tev_->is_ready()) tev_->show(displayed(*image));
 }
 
 void Preview::watch(RenderControl& control) {
@@ -137,13 +149,12 @@ void Preview::show_first_passes(const Scene& scene, const RenderSettings& settin
   const std::uint32_t samples = settings.camera_samples(), most = std::max(samples / kFirstFraction, 1u);
   std::uint32_t taken = 0;
   for (std::uint32_t count = 1; samples > 1 && count <= kMaxFirst && taken + count <= most; count *= 2) {
-    const RenderResult result = render(scene, first_pass(settings, count), first);
+    const RenderResult result = render(scene, first_pass(settings, count, page_ && repeats_), first);
     if (result.interrupted) return;
     taken += count;
     first_ = std::make_shared<const Image>(result.film.beauty_image());
-    const std::shared_ptr<const Image> shown_image = displayed(*first_);
-    if (page_) page_->set_image(shown_image);
-    if (tev_ && tev_->is_ready()) tev_->show(shown_image);
+    if (page_) page_->set_image(first_, repeats_ ? std::make_shared<const Image>(result.film.to_image()) : nullptr);
+    if (tev_ && tev_->is_ready()) tev_->show(displayed(*first_));
   }
 }
 
@@ -162,11 +173,10 @@ void Preview::show(const RenderState& state) {
   Image image = all ? state.film.to_image() : state.film.beauty_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
   if (first_) fill_gaps(image, *first_);
-  const std::shared_ptr<const Image> beauty = displayed(image);
-  if (page_) page_->set_image(beauty);
+  if (page_) page_->set_image(beauty_of(image));
+  if (tev_ && tev_->is_ready()) tev_->show(displayed(image));
   // The variances are valid only after two replicates
   if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), false);
-  if (tev_ && tev_->is_ready()) tev_->show(beauty);
   const double now = Progress::steady_seconds();
   double cost = now - pause_requested_;
   // The page encodes in parallel to the render, on one of its processors.
@@ -184,8 +194,8 @@ void Preview::begin_writing() {
   if (page_) page_->set_state("writing");
 }
 
-void Preview::fail() {
-  if (page_) page_->set_state("failed");
+void Preview::fail(const std::string& errors) {
+  if (page_) page_->fail(errors);
 }
 
 void Preview::finish(const std::string& state, const Image& image, const RenderReport& report) {
@@ -193,7 +203,7 @@ void Preview::finish(const std::string& state, const Image& image, const RenderR
   if (tev_) tev_->show(displayed(image));
   if (page_) {
     page_->set_report(to_json(report));
-    page_->set_image(displayed(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
+    page_->set_image(beauty_of(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
     if (page_->wants_denoised()) page_->denoise(std::make_shared<const Image>(image), report.noise.has_value());
     page_->set_state(state);
   }

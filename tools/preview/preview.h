@@ -11,10 +11,12 @@
 
 namespace sheaf {
 
+class CameraControl;
 class LivePage;
 class Scene;
 class TevViewer;
 struct RenderControl;
+struct RenderResult;
 struct RenderSettings;
 struct RenderState;
 
@@ -36,15 +38,19 @@ class Preview {
   /// Starts the server and the search for the viewer, as requested. `name`: of the image.
   /// `display`: applied to the images. Throws Error: exit code 2 for
   /// malformed addresses, 1 for unknown hosts and if it cannot listen.
-  /// `repeats`: another render may follow a finished one.
+  /// `repeats`: another render may follow a finished one. `camera`: of a page that moves it; null: it does not.
   Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
-          DisplayTransform display, bool repeats = false);
+          DisplayTransform display, bool repeats = false, CameraControl* camera = nullptr);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
   /// Begins to read a scene, after another render.
   void begin_scene();
+  /// Begins fast renders of the same scene with a camera that moves.
+  void begin_move();
+  /// Shows such a render.
+  void show_move(const RenderResult& result);
   /// Begins the render. Wraps the callbacks of `control`, which must not outlive this object.
   void watch(RenderControl& control);
   /// Shows renders with 1, 2 and 4 samples per pixel, while they take little of the time of the render with these
@@ -53,8 +59,8 @@ class Preview {
   void show_first_passes(const Scene& scene, const RenderSettings& settings, const RenderControl& control);
   /// Marks the end of rendering, before the outputs are written.
   void begin_writing();
-  /// Reports that the scene could not be rendered.
-  void fail();
+  /// Reports that the scene could not be rendered. `errors`: a line for each.
+  void fail(const std::string& errors);
   /// Shows the finished image. Waits for viewers to fetch it if no render follows: at most 5 s for tev, 3 s for
   /// browsers, and not at all if nobody is connected. `state`: "done", "interrupted" ...
   void finish(const std::string& state, const Image& image, const RenderReport& report);
