@@ -48,7 +48,7 @@ constexpr ValidMasks kValid;
 /// Attaches the shapes of `range` with ids from 0: the size of Embree's tables depends on the largest id.
 void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range,
                    std::deque<SdfGridView>& grids) {
-  if (is_worth_splitting(in, range)) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  if (!in.updatable && is_worth_splitting(in, range)) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];
@@ -120,7 +120,7 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
 }  // namespace
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
-  impl_->start({input.watertight, input.layout == BvhLayout::kCompact});
+  impl_->start({input.watertight, input.layout == BvhLayout::kCompact, input.updatable});
   attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count}, impl_->sdf_grids);
   if (input.instance_count > 0) {
     impl_->instances = input.instances;
@@ -133,6 +133,16 @@ Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
 }
 
 Accel::~Accel() = default;
+
+void Accel::update(const std::vector<std::uint32_t>& shapes) {
+  for (const std::uint32_t shape : shapes) {
+    RTCGeometry geometry = rtcGetGeometry(impl_->scene, shape);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+  }
+  commit_scene(impl_->scene);
+  impl_->check();
+}
 
 #if SHEAF_EMBREE_MAJOR >= 4
 void Accel::intersect(RayPacket& packet, int count) const noexcept {

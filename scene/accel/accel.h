@@ -75,6 +75,8 @@ struct AccelInput {
   const InstanceRow* instances;
   std::uint32_t instance_count;
   MotionView motion;
+  /// Prepares for Accel::update(): every shape gets a structure of its own.
+  bool updatable = false;
 };
 
 /// A built acceleration structure. Const and safe to query from many threads. Results are bit-identical regardless of
@@ -90,6 +92,9 @@ class Accel {
   void intersect(RayPacket& packet, int count) const noexcept;
   /// Whether anything lies before t_far, for the first `count` rays; sets t_far to -infinity if so.
   void occluded(RayPacket& packet, int count) const noexcept;
+  /// Builds the structures of these shapes again, whose vertices have changed in AccelInput::vertices. `shapes`: meshes
+  /// outside of groups. Only for structures that were built with AccelInput::updatable.
+  void update(const std::vector<std::uint32_t>& shapes);
   /// Memory that Embree holds, in bytes.
   std::size_t bytes() const;
 

@@ -54,8 +54,11 @@ std::size_t EmbreeScene::allocated() const {
 RTCScene make_embree_scene(RTCDevice device, EmbreeOptions options) {
   RTCScene scene = rtcNewScene(device);
   const unsigned flags = (options.watertight ? static_cast<unsigned>(RTC_SCENE_FLAG_ROBUST) : 0u) |
-                         (options.compact ? static_cast<unsigned>(RTC_SCENE_FLAG_COMPACT) : 0u);
+                         (options.compact ? static_cast<unsigned>(RTC_SCENE_FLAG_COMPACT) : 0u) |
+                         (options.updatable ? static_cast<unsigned>(RTC_SCENE_FLAG_DYNAMIC) : 0u);
   if (flags != 0) rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags));
+  // Embree's name for two levels, of which the lower ones have the quality of the geometries
+  if (options.updatable) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
   return scene;
 }
 

@@ -18,6 +18,7 @@ namespace sheaf {
 struct EmbreeOptions {
   bool watertight = false;  ///< see CompileOptions::watertight
   bool compact = false;     ///< see BvhLayout::kCompact
+  bool updatable = false;   ///< see AccelInput::updatable
 };
 
 /// An Embree device with one scene.

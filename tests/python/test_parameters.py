@@ -212,6 +212,25 @@ class Vertices(unittest.TestCase):
         self.assertEqual(material.type, "diffuse")  # in place: other objects stay valid
         np.testing.assert_array_equal(scene.shapes["square"].vertices, 0.5 * scenes.VERTICES)
 
+    def test_only_the_changed_geometry_is_rebuilt(self):
+        """The first change of vertices builds a structure that later ones update. Images equal those of new scenes."""
+        def dictionary(height):
+            vertices = scenes.VERTICES * (1, height, 1)
+            return scenes.wall({"vertices": vertices}, **{f"ball_{k}": {
+                "type": "cube", "to_world": T.translate((0.6 * k - 0.9, 0.3 * k - 0.3, 0.3)).scale(0.1)} for k in range(4)})
+
+        scene = sheaf.load_dict(dictionary(1))
+        params = sheaf.traverse(scene)
+        for step, height in enumerate((1, 0.5, 0.25, 0.75, 0.75)):
+            params["square.vertex_positions"] = scenes.VERTICES * (1, height, 1)
+            params.update()
+            result = sheaf.render(scene, spp=16, size=(24, 18))
+            self.assertEqual(result.stats["kept"]["acceleration_structure"], step > 1, step)
+            expected = sheaf.render(sheaf.load_dict(dictionary(height)), spp=16, size=(24, 18))
+            np.testing.assert_allclose(result.image, expected.image, rtol=1e-4, atol=1e-4)
+        scene.camera.fov = 30
+        self.assertTrue(sheaf.render(scene, spp=1).stats["kept"]["acceleration_structure"])
+
     def test_groups_are_rejected(self):
         scene = sheaf.load_dict(scenes.wall(group={"type": "shapegroup", "inner": {"type": "cube"}}))
         params = sheaf.traverse(scene)

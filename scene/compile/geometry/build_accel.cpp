@@ -3,6 +3,8 @@
 #include "scene/compile/geometry/compile_geometry.h"
 #include "scene/compile/geometry/kept_geometry.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 namespace {
@@ -21,42 +23,60 @@ BvhLayout choose_layout(const CompileOptions& options, SceneTables& scene) {
   return bytes > available_memory() ? BvhLayout::kCompact : BvhLayout::kFast;
 }
 
+/// Takes the kept acceleration structure and its tables if nothing or only vertices of meshes have changed.
+/// `updatable`: receives whether another structure should be updatable.
+bool take_kept(const AccelInput& input, KeptGeometry& kept, SceneTables& scene, bool& updatable) {
+  GeometryTables& tables = scene.geometry;
+  const auto changed = kept.changed_meshes(tables, input);
+  if (!changed) return false;
+  if (!changed->empty()) {
+    updatable = kept.expects_changes && changed->back() < kept.ungrouped_shapes;
+    if (!updatable || !kept.is_updatable) return false;
+    std::copy(tables.vertices.begin(), tables.vertices.end(), kept.tables.vertices.begin());
+    kept.accel->update(*changed);
+  }
+  // Embree refers to the kept tables. Shapes may have other materials and lights, and vertices other tangents.
+  kept.tables.shapes = std::move(tables.shapes);
+  kept.tables.tangents = std::move(tables.tangents);
+  tables = std::move(kept.tables);
+  scene.accel = std::move(kept.accel);
+  return true;
+}
+
 }  // namespace
 
 void build_accel(const CompiledGeometry& geometry, const CompileOptions& options, SceneTables& scene) {
   const BvhLayout layout = choose_layout(options, scene);
   scene.info.bvh = layout;
   GeometryTables& tables = scene.geometry;
-  const AccelInput input{tables.shapes.data(),
-                         geometry.ungrouped_shapes,
-                         tables.vertices.data(),
-                         tables.triangles.data(),
-                         tables.quadrics.data(),
-                         tables.curve_points.data(),
-                         tables.curve_segments.data(),
-                         tables.sdf_grids.data(),
-                         tables.sdf_values.data(),
-                         tables.sdf_cells.data(),
-                         geometry.vertex_counts.data(),
-                         options.watertight,
-                         layout,
-                         geometry.groups.data(),
-                         static_cast<std::uint32_t>(geometry.groups.size()),
-                         tables.instances.data(),
-                         static_cast<std::uint32_t>(tables.instances.size()),
-                         scene.motion.view()};
+  AccelInput input{tables.shapes.data(),
+                   geometry.ungrouped_shapes,
+                   tables.vertices.data(),
+                   tables.triangles.data(),
+                   tables.quadrics.data(),
+                   tables.curve_points.data(),
+                   tables.curve_segments.data(),
+                   tables.sdf_grids.data(),
+                   tables.sdf_values.data(),
+                   tables.sdf_cells.data(),
+                   geometry.vertex_counts.data(),
+                   options.watertight,
+                   layout,
+                   geometry.groups.data(),
+                   static_cast<std::uint32_t>(geometry.groups.size()),
+                   tables.instances.data(),
+                   static_cast<std::uint32_t>(tables.instances.size()),
+                   scene.motion.view()};
   KeptGeometry* const kept = options.kept;
-  if (kept != nullptr && kept->vertex_counts.size() == geometry.vertex_counts.size() && kept->matches(tables, input)) {
-    // Embree refers to the kept tables. Shapes may have other materials and lights, and vertices other tangents.
-    kept->tables.shapes = std::move(tables.shapes);
-    kept->tables.tangents = std::move(tables.tangents);
-    tables = std::move(kept->tables);
-    scene.accel = std::move(kept->accel);
+  const bool expects_changes = kept != nullptr && kept->expects_changes;
+  if (kept != nullptr && kept->vertex_counts.size() == geometry.vertex_counts.size() &&
+      take_kept(input, *kept, scene, input.updatable))
     return;
-  }
   if (kept != nullptr) *kept = {};  // free its memory before building
   scene.accel = std::make_unique<Accel>(input);
   if (kept == nullptr) return;
+  kept->expects_changes = expects_changes;
+  kept->is_updatable = input.updatable;
   kept->vertex_counts = geometry.vertex_counts;
   kept->groups = geometry.groups;
   kept->ungrouped_shapes = geometry.ungrouped_shapes;

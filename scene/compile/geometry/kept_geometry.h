@@ -5,6 +5,7 @@
 #include "scene/scene.h"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace sheaf {
@@ -18,9 +19,14 @@ struct KeptGeometry {
   bool watertight = false;
   BvhLayout layout = BvhLayout::kFast;
   std::unique_ptr<Accel> accel;  ///< null: no geometry is kept
+  /// Whether changed vertices are expected: the first change builds a structure that later ones update. It may resolve
+  /// equal distances differently.
+  bool expects_changes = false;
+  bool is_updatable = false;  ///< AccelInput::updatable
 
-  /// Whether an acceleration structure for `input` with these tables would equal the kept one, bit by bit.
-  bool matches(const GeometryTables& other, const AccelInput& input) const;
+  /// The meshes whose vertices differ from those of an acceleration structure for `input` with these tables; if there
+  /// are none, it would equal the kept one, bit by bit. Nothing if more differs.
+  std::optional<std::vector<std::uint32_t>> changed_meshes(const GeometryTables& other, const AccelInput& input) const;
 };
 
 /// Moves the geometry of a scene that was compiled with CompileOptions::kept to that object, and destroys the scene.

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+
 namespace sheaf::test_kept_geometry {
 
 using namespace test;
@@ -72,6 +74,36 @@ TEST_CASE("kept geometry: not reused if any shape, instance or option of the str
   CHECK_FALSE(reuses({}, {.inside = "<shape type='disk'/>"}));
   CHECK_FALSE(reuses({}, {.inside = "<shape type='rectangle'/>"}));
   CHECK_FALSE(reuses({}, {}, true));
+}
+
+TEST_CASE(
+    "kept geometry: the second change of vertices updates the acceleration structure, the first one rebuilds it") {
+  KeptGeometry kept;
+  kept.expects_changes = true;
+  const Accel* last = nullptr;
+  int step = 0;
+  for (const char* const shift : {"0", "1", "4", "0", "0"}) {
+    std::unique_ptr<Scene> scene = compile({.shift = shift}, kept);
+    const Accel* const accel = scene->view().accel;
+    CHECK((accel == last) == (step > 1));
+    RayPacket packet;
+    const float x = std::stof(shift);
+    packet.set_ray(0, {x + 0.5f, 0.25f, 9}, {0, 0, -1});   // the cube
+    packet.set_ray(1, {0.25f, 0.125f, 9}, {0, 0, -1});     // the sphere or the cube
+    packet.set_ray(2, {x + 1.25f, 0.25f, 9}, {0, 0, -1});  // beside the cube
+    packet.set_ray(3, {0.5f, 2.25f, 9}, {0, 0, -1});       // the instance
+    accel->intersect(packet, 4);
+    CHECK(packet.shape[0] == 0);
+    CHECK(packet.t_far[0] == 8);
+    CHECK(packet.shape[1] == (x < 2 ? 0 : 1));
+    CHECK(packet.shape[2] == kNone);
+    CHECK(packet.instance[3] == 0);
+    keep_geometry(std::move(scene), kept);
+    last = accel;
+    ++step;
+  }
+  // More than vertices
+  CHECK(compile({.inside = "<shape type='disk'/>"}, kept)->view().accel != nullptr);
 }
 
 TEST_CASE("kept geometry: rays hit the same surfaces, and rows have the new materials") {

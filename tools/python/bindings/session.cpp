@@ -238,6 +238,7 @@ void Session::compile_job(Job& job) {
   }
   const double start = Progress::steady_seconds();
   compiled_for_.clear();
+  kept_.expects_changes = true;
   if (loaded_.scene != nullptr) keep_geometry(std::move(loaded_.scene), kept_);
   const Accel* const before = kept_.accel.get();
   sheaf::compile(job.arguments, loaded_, &kept_);

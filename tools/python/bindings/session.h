@@ -27,7 +27,7 @@ struct RenderedImage {
   std::vector<std::string> notes = {};
   bool interrupted = false;
   bool kept_scene = false;  ///< the compiled scene of the last render was used
-  bool kept_accel = false;  ///< its acceleration structure was used
+  bool kept_accel = false;  ///< its acceleration structure was used, or updated for changed vertices
 };
 
 /// State that another thread reads and sets while a render runs.
