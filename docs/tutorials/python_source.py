@@ -76,6 +76,18 @@ print("seconds for the acceleration structure:", changed.stats["loading"]["accel
 changed
 
 # %% [markdown]
+# `traverse()` lists all parameters under flat names, as in Mitsuba. New values take effect with `update()`: here the
+# vertices of the pyramid.
+
+# %%
+params = sheaf.traverse(scene)
+vertices = params["pyramid.vertex_positions"].reshape(-1, 3)
+vertices[4] = (-0.9, 2.1, 0)
+params["pyramid.vertex_positions"] = vertices
+print(params.update())
+sheaf.render(scene, spp=64)
+
+# %% [markdown]
 # ## Noise
 #
 # The variance of each pixel is estimated from independent sets of samples. The error of the image falls with the square
