@@ -10,7 +10,7 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/simd/test_contract
 
 # Long tests, the longest first. ctest starts them in this order, so that no long test runs alone at the end.
 set(SHEAF_LONG_TESTS
-  smoke_generate preview python cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references
+  smoke_generate preview preview_browser python cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references
   photon_mapping photon_media
   light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes docs_commands docs_snippets
   media_estimators smoke_benchmarks
@@ -18,7 +18,7 @@ set(SHEAF_LONG_TESTS
   instancing_render determinism cli_render cli)
 
 # Tests that are skipped if a program is missing; they then print "skipped: ".
-set(SHEAF_OPTIONAL_TESTS slurm)
+set(SHEAF_OPTIONAL_TESTS slurm preview_browser)
 
 # sheaf_test_support(DEPENDS <target>...): adds the library sheaf_test_support, which all test programs link: main() and
 # the precompiled headers. Also adds the target sheaf_tests, which builds all test programs.

@@ -1,4 +1,5 @@
 // The camera that a hand turns: its motions, the text that places it, and requests from the network.
+#include "scene/description/field_of_view.h"
 #include "tests/support/contains.h"
 #include "tests/support/files/scene_files.h"
 #include "tests/support/temporary_folder.h"
@@ -29,9 +30,7 @@ Description scene_with(const std::string& inside, const std::string& type = "per
 
 constexpr const char* kFromFront = "<lookat origin='0, 0, 5' target='0, 0, 0' up='0, 1, 0'/>";
 
-OrbitCamera camera_of(const Description& scene, double distance = 5) {
-  return {scene.camera, scene.film, distance};
-}
+OrbitCamera camera_of(const Description& scene, double distance = 5) { return {scene.camera, scene.film, distance}; }
 
 /// Position of a point on the image, fractions of its height from the middle: x to the right, y down.
 struct OnImage {
@@ -40,7 +39,8 @@ struct OnImage {
 OnImage projected(const OrbitCamera& camera, const Description& scene, Vec3d point) {
   const CameraDescription description = camera.camera();
   const Vec3d local = description.to_world.inverse().precise_point(point);
-  const double half_width = std::tan(static_cast<double>(description.fov) * 0.5 * 3.14159265358979 / 180);
+  const double half_width =
+      half_width_of(description.fov, description.fov_axis, scene.film.width, scene.film.height, {});
   const double half_height = half_width * scene.film.height / scene.film.width;
   const double z = description.projection == CameraDescription::Projection::kOrthographic ? 1 / half_width : local.z;
   return {-local.x / z / half_height / 2, -local.y / z / half_height / 2};
@@ -135,10 +135,9 @@ TEST_CASE("a target turns the camera, and the focal plane is placed at a point")
 }
 
 TEST_CASE("the text for scene files places the camera where it is") {
-  for (const char* place :
-       {kFromFront, "<lookat origin='3, 4, 5' target='1, 0, 0' up='0, 0, 1'/>",
-        "<scale x='-1'/><lookat origin='3, 4, 5' target='1, 0, 0' up='0, 1, 0'/>",
-        "<lookat origin='3000, 4000, 5000' target='1, 0, 0' up='0, 1, 0'/>"}) {
+  for (const char* place : {kFromFront, "<lookat origin='3, 4, 5' target='1, 0, 0' up='0, 0, 1'/>",
+                            "<scale x='-1'/><lookat origin='3, 4, 5' target='1, 0, 0' up='0, 1, 0'/>",
+                            "<lookat origin='3000, 4000, 5000' target='1, 0, 0' up='0, 1, 0'/>"}) {
     CAPTURE(std::string(place));
     const Description scene = scene_with(place);
     const double distance = length(scene.camera.to_world.translation());
@@ -169,9 +168,9 @@ TEST_CASE("sensors that form no image, and several cameras, cannot be moved") {
   CHECK(is_movable(scene_with(kFromFront, "orthographic")));
   for (const char* type : {"radiancemeter", "distant", "irradiancemeter"}) {
     Description scene = scene_with(kFromFront);
-    scene.camera.projection = std::string(type) == "distant" ? CameraDescription::Projection::kDistant
+    scene.camera.projection = std::string(type) == "distant"         ? CameraDescription::Projection::kDistant
                               : std::string(type) == "radiancemeter" ? CameraDescription::Projection::kRadianceMeter
-                                                                      : CameraDescription::Projection::kIrradianceMeter;
+                                                                     : CameraDescription::Projection::kIrradianceMeter;
     CHECK_FALSE(is_movable(scene));
   }
   Description several = scene_with(kFromFront);
@@ -189,12 +188,32 @@ TEST_CASE("requests are parsed strictly") {
   CHECK(parse_camera_request(R"({"reset":true})")->reset);
   CHECK(parse_camera_request(R"({"target":[0,1]})")->target->y == 1);
   CHECK(parse_camera_request(R"({"focus":[0.5,0.25]})")->focus->y == 0.25);
-  for (const char* body :
-       {"", "{}", "[]", "null", "1", "{\"orbit\":[0,0]", "{\"orbit\":[0,0]}x", "{\"orbit\":0}", "{\"orbit\":[0]}",
-        "{\"orbit\":[0,0,0]}", "{\"orbit\":[\"0\",0]}", "{\"orbit\":[null,0]}", "{\"orbit\":[1e400,0]}",
-        "{\"orbit\":[11,0]}", "{\"pan\":[0,-1e9]}", "{\"dolly\":[1]}", "{\"dolly\":11}", "{\"dolly\":NaN}",
-        "{\"target\":[-0.1,0]}", "{\"focus\":[0,1.1]}", "{\"reset\":false}", "{\"reset\":1}", "{\"jump\":[0,0]}",
-        "{\"orbit\":[0,0],\"file\":\"/etc/passwd\"}", "\xff\xfe", "{\"orbit\":{\"0\":1,\"1\":1}}"}) {
+  for (const char* body : {"",
+                           "{}",
+                           "[]",
+                           "null",
+                           "1",
+                           "{\"orbit\":[0,0]",
+                           "{\"orbit\":[0,0]}x",
+                           "{\"orbit\":0}",
+                           "{\"orbit\":[0]}",
+                           "{\"orbit\":[0,0,0]}",
+                           "{\"orbit\":[\"0\",0]}",
+                           "{\"orbit\":[null,0]}",
+                           "{\"orbit\":[1e400,0]}",
+                           "{\"orbit\":[11,0]}",
+                           "{\"pan\":[0,-1e9]}",
+                           "{\"dolly\":[1]}",
+                           "{\"dolly\":11}",
+                           "{\"dolly\":NaN}",
+                           "{\"target\":[-0.1,0]}",
+                           "{\"focus\":[0,1.1]}",
+                           "{\"reset\":false}",
+                           "{\"reset\":1}",
+                           "{\"jump\":[0,0]}",
+                           "{\"orbit\":[0,0],\"file\":\"/etc/passwd\"}",
+                           "\xff\xfe",
+                           "{\"orbit\":{\"0\":1,\"1\":1}}"}) {
     CAPTURE(std::string(body));
     CHECK_FALSE(parse_camera_request(body));
   }

@@ -75,6 +75,9 @@ std::optional<PickedPoint> CameraControl::trace(ImagePosition position) const {
   PickedPoint point;
   point.distance = static_cast<double>(packet.t_far[0]);
   point.position = Vec3d(ray.origin) + scene_->origin() + Vec3d(ray.direction) * point.distance;
+  // Rays start at the near plane
+  const Camera& camera = view.sensor.camera;
+  if (camera.origin_dx == Vec3f{0, 0, 0}) point.distance = length(point.position - scene_->origin() - camera.origin);
   const SceneNames& names = scene_->names();
   if (shape < names.object_of_shape.size()) {
     point.object = names.objects[names.object_of_shape[shape]];

@@ -18,7 +18,7 @@ namespace sheaf {
 struct PickedPoint {
   std::string object, material;
   Vec3d position;       ///< world space, meters
-  double distance = 0;  ///< from the start of the ray, meters
+  double distance = 0;  ///< from the camera, meters; orthographic: from its near plane
 };
 
 /// The camera as a page shows it.

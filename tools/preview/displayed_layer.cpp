@@ -18,17 +18,23 @@ std::array<int, 3> channels_of(const Image& image, const AovEntry& entry) {
   return channels;
 }
 
-/// The depths within which most covered pixels lie.
+/// The depths within which most pixels lie.
 struct DepthRange {
   float near = 0, far = 1;
 
-  DepthRange(const Image& image, int depth, int alpha) {
+  DepthRange(const Image& image, int depth) {
+    constexpr int kReach = 4;  // filters mix depths with zeros on both sides of outlines
+    const auto is_covered = [&](int x, int y) {
+      return image.at(std::clamp(x, 0, image.width - 1), std::clamp(y, 0, image.height - 1), depth) > 0;
+    };
     std::vector<float> depths;
-    for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-      const float* const pixel = &image.data[i * image.channels.size()];
-      if ((alpha < 0 || pixel[alpha] > 0) && pixel[depth] > 0 && std::isfinite(pixel[depth]))
-        depths.push_back(pixel[depth]);
-    }
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        const bool is_inside = is_covered(x - kReach, y) && is_covered(x + kReach, y) && is_covered(x, y - kReach) &&
+                               is_covered(x, y + kReach);
+        const float z = image.at(x, y, depth);
+        if (is_inside && z > 0 && std::isfinite(z)) depths.push_back(z);
+      }
     if (depths.empty()) return;
     const auto quantile = [&](double share) {
       const auto at = depths.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
@@ -69,13 +75,13 @@ Image displayed_layer(const Image& image, std::string_view layer) {
   if (shown == std::end(kShownLayers)) return {};
   const std::array<int, 3> from = channels_of(image, entry_of(*shown));
   if (from[0] < 0) return {};
-  const int alpha = image.find_channel("A");
+  const int depth = image.find_channel(entry_of(aov_named("depth")).channels[0]);
   const bool is_normal = *shown == aov_named("normal"), is_depth = *shown == aov_named("depth");
-  const DepthRange range = is_depth ? DepthRange(image, from[0], alpha) : DepthRange(Image(), 0, -1);
+  const DepthRange range = is_depth ? DepthRange(image, from[0]) : DepthRange(Image(), 0);
   Image out(image.width, image.height, {"R", "G", "B", "A"});
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
     const float* const pixel = &image.data[i * image.channels.size()];
-    const float covered = alpha >= 0 ? pixel[alpha] : 1;
+    const bool is_covered = depth < 0 || pixel[depth] > 0;
     const auto color = [&](std::size_t c) {
       const float value = pixel[from[c]];
       if (is_depth) return range.brightness(value);
@@ -84,7 +90,7 @@ Image displayed_layer(const Image& image, std::string_view layer) {
     Vec3f rgb{color(0), color(1), color(2)};
     if (is_normal || is_depth) rgb = srgb_to_linear(rgb);
     const float values[4] = {rgb.x, rgb.y, rgb.z, 1};
-    for (std::size_t c = 0; c < 4; ++c) out.data[4 * i + c] = covered > 0 ? values[c] : 0;
+    for (std::size_t c = 0; c < 4; ++c) out.data[4 * i + c] = is_covered ? values[c] : 0;
   }
   return out;
 }
