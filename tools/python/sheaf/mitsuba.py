@@ -88,8 +88,9 @@ def render(scene: Scene, params: Any = None, sensor: Union[int, Object, Dict[str
     film = film_of.film if isinstance(film_of, Object) and film_of._find("film") else None
     pixel_format = film.pixel_format if film is not None and film._find("pixel_format") else "rgba"
     given = options.pop("aovs", [])
-    result = _render(scene, sensor=view if len(scene.sensors) > 0 or view != 0 else None, integrator=integrator,
-                     seed=seed, spp=spp or None, aovs=[*given, *layers], **options)
+    first = isinstance(view, int) and view == 0
+    result = _render(scene, sensor=None if first else view, integrator=integrator, seed=seed, spp=spp or None,
+                     aovs=[*given, *layers], **options)
     image = result.image
     parts = {"rgb": image[..., :3], "luminance": image[..., :3] @ np.array([[0.2126], [0.7152], [0.0722]], np.float32)}
     layer_arrays = [result[name].reshape(*image.shape[:2], -1) for name in layers]

@@ -21,6 +21,7 @@ scene = mi.load_dict({
 mi.util.write_bitmap("checks.exr", mi.render(scene, spp=64))
 
 params = mi.traverse(scene)
-params["wall.bsdf.reflectance.data"] = np.array(params["wall.bsdf.reflectance.data"])[:, :, ::-1].copy()  # Mitsuba: params["wall.bsdf.reflectance.data"] = mi.TensorXf(np.array(params["wall.bsdf.reflectance.data"])[:, :, ::-1].copy())
+pixels = np.array(params["wall.bsdf.reflectance.data"])
+params["wall.bsdf.reflectance.data"] = mi.TensorXf(pixels[:, :, ::-1].copy())
 params.update()
 mi.util.write_bitmap("swapped.exr", mi.render(scene, spp=64))
