@@ -1,6 +1,7 @@
 """Progress bars: by tqdm if it is installed, otherwise as a line of text."""
 
 import sys
+import warnings
 from typing import Any, Callable, Optional, Union
 
 
@@ -19,7 +20,9 @@ class _Bar:
     def __call__(self, done: int, total: int) -> None:
         if self._bar is None:
             try:
-                from tqdm.auto import tqdm
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # tqdm's advice to install ipywidgets
+                    from tqdm.auto import tqdm
             except ImportError:
                 tqdm = _Line
             self._bar = tqdm(total=total, desc="render", unit="sample", unit_scale=True, leave=False)
