@@ -87,6 +87,12 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
   for (RTCScene group : groups) rtcReleaseScene(group);  // the instances hold references
 }
 
+/// Makes the rays from `count` on empty. Embree without AVX-512 ignores the masks of packets of sixteen: it would trace
+/// the contents of unused lanes, which may not be finite, but it leaves out empty rays.
+void empty_unused(RayPacket& packet, int count) {
+  for (int i = count; i < kPacketWidth; ++i) packet.t_far[i] = -kInfinity;
+}
+
 /// Converts group-relative shape ids to scene ids, and normals from the group's space to world space.
 void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance,
                        const MotionView& motion) {
@@ -146,6 +152,7 @@ void Accel::update(const std::vector<std::uint32_t>& shapes) {
 
 #if SHEAF_EMBREE_MAJOR >= 4
 void Accel::intersect(RayPacket& packet, int count) const noexcept {
+  empty_unused(packet, count);
   RTCIntersectArguments args;
   rtcInitIntersectArguments(&args);
   args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
@@ -154,6 +161,7 @@ void Accel::intersect(RayPacket& packet, int count) const noexcept {
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {
+  empty_unused(packet, count);
   RTCOccludedArguments args;
   rtcInitOccludedArguments(&args);
   args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
@@ -161,6 +169,7 @@ void Accel::occluded(RayPacket& packet, int count) const noexcept {
 }
 #else
 void Accel::intersect(RayPacket& packet, int count) const noexcept {
+  empty_unused(packet, count);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
@@ -169,6 +178,7 @@ void Accel::intersect(RayPacket& packet, int count) const noexcept {
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {
+  empty_unused(packet, count);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;

@@ -88,9 +88,9 @@ class Accel {
   Accel(const Accel&) = delete;
   Accel& operator=(const Accel&) = delete;
 
-  /// Nearest hits of the first `count` rays.
+  /// Nearest hits of the first `count` rays. Other lanes may hold anything; their t_far becomes -infinity.
   void intersect(RayPacket& packet, int count) const noexcept;
-  /// Whether anything lies before t_far, for the first `count` rays; sets t_far to -infinity if so.
+  /// Whether anything lies before t_far, for the first `count` rays; sets t_far to -infinity if so, and in other lanes.
   void occluded(RayPacket& packet, int count) const noexcept;
   /// Builds the structures of these shapes again, whose vertices have changed in AccelInput::vertices. `shapes`: meshes
   /// outside of groups. Only for structures that were built with AccelInput::updatable.

@@ -74,6 +74,25 @@ TEST_CASE("bvh: the compact layout gives the same hits in less memory") {
   }
 }
 
+TEST_CASE("bvh: unused lanes of a packet hold anything and are not traced") {
+  const auto scene = compile(triangles(), BvhChoice::kFast);
+  const Vec3f origin{0.1f, 0.2f, -9}, forward{0, 0, 1};
+  const auto hit = trace_ray(scene->view(), origin, forward);
+  REQUIRE(hit);
+  constexpr int kUsed = 5;
+  const float nan = std::nanf("");
+  RayPacket nearest, any;
+  for (int i = 0; i < kPacketWidth; ++i)
+    for (RayPacket* packet : {&nearest, &any}) packet->set_ray(i, i < kUsed ? origin : Vec3f{nan, 1e30f, nan}, forward);
+  scene->view().accel->intersect(nearest, kUsed);
+  scene->view().accel->occluded(any, kUsed);
+  for (int i = 0; i < kPacketWidth; ++i) {
+    CHECK(nearest.t_far[i] == (i < kUsed ? hit->t : -kInfinity));
+    CHECK(nearest.shape[i] == (i < kUsed ? hit->shape : kNone));
+    CHECK(any.t_far[i] == -kInfinity);
+  }
+}
+
 TEST_CASE("bvh: the layout is compact by itself if the render leaves too little memory") {
   constexpr double kNoRoom = 1e18;  // more bytes than any machine has
   const Description d = triangles();
