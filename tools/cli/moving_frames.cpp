@@ -64,7 +64,9 @@ RenderSettings frame_settings(const RenderSettings& settings, double pixels) {
 void MovingFrames::follow(LoadedScene& loaded, const RenderControl& control, CameraControl& camera, Preview& preview) {
   const auto max_pixels = static_cast<double>(loaded.settings.crop.area());
   preview.begin_move();
-  double wait = 0;  // the first motion has arrived
+  // The first frame has waited until the render stopped
+  pixels_ *= 0.5;
+  double wait = 0;
   while (const auto moved = camera.take(wait)) {
     wait = kRestSeconds;
     const double start = Progress::steady_seconds();

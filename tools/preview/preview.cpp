@@ -20,8 +20,12 @@ namespace {
 
 /// Minimum interval between previews, s, and as a multiple of the cost of the last preview.
 constexpr double kMinInterval = 1, kCostFactor = 20;
-/// Samples of a render per sample of show_first_passes(), and the largest number of samples of these.
-constexpr std::uint32_t kFirstFraction = 32, kMaxFirst = 4;
+/// Samples of a render per sample of show_first_passes(), and the largest number of samples of these. Renders that are
+/// repeated are looked at while they are young.
+struct FirstPasses {
+  std::uint32_t fraction, max;
+};
+constexpr FirstPasses kFirstPasses{32, 4}, kRepeatedPasses{8, 16};
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
 /// The channels R, G, B and A of an image.
@@ -146,9 +150,10 @@ void Preview::show_first_passes(const Scene& scene, const RenderSettings& settin
   first.threads = control.threads;
   first.wave_size = control.wave_size;
   first.stop = control.stop;
-  const std::uint32_t samples = settings.camera_samples(), most = std::max(samples / kFirstFraction, 1u);
+  const FirstPasses passes = repeats_ ? kRepeatedPasses : kFirstPasses;
+  const std::uint32_t samples = settings.camera_samples(), most = std::max(samples / passes.fraction, 1u);
   std::uint32_t taken = 0;
-  for (std::uint32_t count = 1; samples > 1 && count <= kMaxFirst && taken + count <= most; count *= 2) {
+  for (std::uint32_t count = 1; samples > 1 && count <= passes.max && taken + count <= most; count *= 2) {
     const RenderResult result = render(scene, first_pass(settings, count, page_ && repeats_), first);
     if (result.interrupted) return;
     taken += count;

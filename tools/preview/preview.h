@@ -53,9 +53,9 @@ class Preview {
   void show_move(const RenderResult& result);
   /// Begins the render. Wraps the callbacks of `control`, which must not outlive this object.
   void watch(RenderControl& control);
-  /// Shows renders with 1, 2 and 4 samples per pixel, while they take little of the time of the render with these
-  /// settings. Until that render has samples of a pixel, previews show the last of these images there. Does nothing for
-  /// resumed renders and for integrators other than path tracing.
+  /// Shows renders with 1, 2 and 4 samples per pixel, and with 8 and 16 if another render may follow, while they take
+  /// little of the time of the render with these settings. Until that render has samples of a pixel, previews show the
+  /// last of these images there. Does nothing for resumed renders and for integrators other than path tracing.
   void show_first_passes(const Scene& scene, const RenderSettings& settings, const RenderControl& control);
   /// Marks the end of rendering, before the outputs are written.
   void begin_writing();
