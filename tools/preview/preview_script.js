@@ -249,6 +249,7 @@ async function follow() {
   }
   following = false;
   shown = "";
+  first = Math.max(first, shown_number);  // older images show another place
 }
 
 // Motions are collected while the last request is under way.
