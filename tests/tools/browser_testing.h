@@ -39,20 +39,14 @@ class Browser {
     from_ = from[0];
     fcntl(to_, F_SETFD, FD_CLOEXEC);
     fcntl(from_, F_SETFD, FD_CLOEXEC);
-    const Json targets = call("Target.getTargets");
-    for (const Json& target : targets["targetInfos"])
-      if (target["type"] == "page") page_ = target["targetId"];
-    session_ = call("Target.attachToTarget", {{"targetId", page_}, {"flatten", true}})["sessionId"];
-    call("Emulation.setDeviceMetricsOverride",
-         {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", has_touch}});
-    if (has_touch) call("Emulation.setTouchEmulationEnabled", {{"enabled", true}, {"maxTouchPoints", 5}});
+    try {
+      attach(width, height, has_touch);
+    } catch (...) {
+      end();
+      throw;
+    }
   }
-  ~Browser() {
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-    close(to_);
-    close(from_);
-  }
+  ~Browser() { end(); }
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
@@ -100,6 +94,21 @@ class Browser {
   }
 
  private:
+  void attach(int width, int height, bool has_touch) {
+    const Json targets = call("Target.getTargets");
+    for (const Json& target : targets["targetInfos"])
+      if (target["type"] == "page") page_ = target["targetId"];
+    session_ = call("Target.attachToTarget", {{"targetId", page_}, {"flatten", true}})["sessionId"];
+    call("Emulation.setDeviceMetricsOverride",
+         {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", has_touch}});
+    if (has_touch) call("Emulation.setTouchEmulationEnabled", {{"enabled", true}, {"maxTouchPoints", 5}});
+  }
+  void end() const {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+    close(to_);
+    close(from_);
+  }
   [[noreturn]] void run(int in, int out) const {
     const int null = open_null();
     // 3 and 4 may be among the pipes' descriptors
