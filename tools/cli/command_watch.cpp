@@ -40,8 +40,6 @@ int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& give
   if (!arguments.checkpoint.file.empty())
     throw Error(ExitCode::kUsage, "--checkpoint is not supported by 'sheaf watch': it belongs to a single render");
   if (!arguments.frames.empty() || arguments.skip_existing)
-    throw Error(ExitCode::kUsage, "--frames is not supported by 'sheaf watch': it renders a single image");
-  if (!arguments.frames.empty() || arguments.skip_existing)
     throw Error(ExitCode::kUsage,
                 "--frames and --skip-existing are not supported by 'sheaf watch': choose a frame by "
                 "-D frame=N");
