@@ -133,7 +133,6 @@ done < <(env | grep -E '^(PIP_|https?_proxy=|SSL_CERT_FILE=)' | grep -v '^PIP_FI
 
 for release in bookworm trixie; do
   make_debian_root "$roots/$release" "$release"
-  trap - EXIT
   open_debian_root "$roots/$release"
   if [[ ! -e $debian_root/usr/bin/python3 ]]; then
     in_root env DEBIAN_FRONTEND=noninteractive bash -c 'apt-get -qq update && apt-get -qq install --yes --no-install-recommends python3-venv' \

@@ -47,6 +47,7 @@ open_debian_root() {
 close_debian_root() {
   local folder
   for folder in "${debian_mounted[@]}"; do umount "$folder"; done
+  debian_mounted=()
 }
 
 # in_root COMMAND...: runs a command in the folder that was opened last.
