@@ -35,6 +35,8 @@ EXEMPT = {
     "docker": "needs docker and builds", "git": "needs a network", "pip": "needs a network", "squeue": "needs Slurm",
     "sbatch": "needs Slurm", "tev": "needs a display", "cp -r /usr/share/sheaf": "needs the installed package",
     "python3 -m venv": "is followed by pip, which needs a network", "xdg-open": "needs a display",
+    "tar -xf": "needs the archive of a release", "bin/sheaf": "needs the archive of a release",
+    "env/bin/pip": "needs a network", "env/bin/sheaf": "needs a wheel", "env/bin/python": "needs a wheel",
 }
 # Commands of the shell.
 BUILTINS = ("cd", "export", "mkdir", "source")
