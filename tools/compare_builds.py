@@ -39,8 +39,8 @@ def scenes():
                 yield file, []
 
 
-# Attributes of images that name settings, which versions of Sheaf name differently.
-NAMES = {b"sheaf/version", b"sheaf/integrator"}
+# Attributes of images that name the version, or settings that versions of Sheaf name differently.
+NAMES = {b"Software", b"sheaf/version", b"sheaf/integrator"}
 
 
 def contents(exr):

@@ -29,7 +29,7 @@ run_tests() {
   local excluded
   excluded=$(IFS='|' && echo "${long_tests[*]}|${impossible_tests[*]}")
   ctest --test-dir "$build" --label-regex '^(core|kernels)$' --exclude-regex "^($excluded)$" --output-on-failure \
-    --parallel "$(nproc)" | tee "$folder/tests.log"
+    --timeout 3600 --parallel "$(nproc)" | tee "$folder/tests.log"
 }
 
 # check_image NAME SCENE [OPTION]...: renders the scene in both builds at the same seed. The images differ only where
