@@ -112,4 +112,4 @@ make_aarch64() {
 }
 
 "make_$processor" "${@:2}"
-(cd "$folder" && ls -l sheaf-"$version"*)
+(cd "$folder" && ls -ld sheaf-"$version"*)
