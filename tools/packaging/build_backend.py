@@ -7,7 +7,7 @@ import sys
 from scikit_build_core import build as _backend
 from scikit_build_core.build import *  # noqa: F403, the hooks that are not replaced below
 
-CORE_MINUTES = 16  # on an AMD EPYC of 2021
+CORE_MINUTES = 10  # on an AMD EPYC of 2021
 
 
 def announce():
