@@ -51,9 +51,10 @@ std::vector<MediumInput> medium_inputs(const Description& description, const Int
 void add_boundaries(const CompiledGeometry& geometry, const MotionCompiler& motion, std::vector<MediumInput>& media,
                     ErrorSink& errors, std::vector<ShapeRow>& shapes, std::vector<BoundaryRow>& boundaries) {
   for (const BoundaryShape& boundary : geometry.boundaries) {
-    const auto& [shape, group] = geometry.sources[boundary.shape];
+    const ShapeDescription* const shape = geometry.sources[boundary.shape].shape;
+    const ShapeGroup* const group = geometry.sources[boundary.shape].group;
     // The medium on a side of the shape, encoded as in BoundaryRow
-    const auto hold = [&, shape = shape, group = group](const std::optional<MediumId>& id) -> std::uint32_t {
+    const auto hold = [&](const std::optional<MediumId>& id) -> std::uint32_t {
       if (!id) return 0;
       MediumInput& medium = media.at(static_cast<std::size_t>(*id));
       if (group != nullptr && (has_grid(medium) || medium.description->emission)) {
