@@ -36,7 +36,7 @@ class CameraControl {
 
   /// Applies a motion, also between two scenes. Returns false if no camera can be moved.
   bool move(const CameraRequest& request);
-  /// The nearest surface at a position; nothing if there is none or the scene is not attached.
+  /// The nearest surface at a position. Empty if the ray misses the scene, or while no scene is attached.
   std::optional<PickedPoint> pick(ImagePosition position) const;
   /// Empty if no camera can be moved.
   std::optional<CameraState> state() const;

@@ -24,7 +24,7 @@ void skip_pnm_space(ImageStream& stream) {
   }
 }
 
-/// Reads a number of at most `max`; larger ones become `max`. Returns -1 if there is none.
+/// Reads a number, clamped to `max`. Returns -1 if the stream does not continue with a number.
 int read_pnm_number(ImageStream& stream, int max = std::numeric_limits<int>::max()) {
   skip_pnm_space(stream);
   std::int64_t number = -1;
@@ -33,7 +33,7 @@ int read_pnm_number(ImageStream& stream, int max = std::numeric_limits<int>::max
   return static_cast<int>(number);
 }
 
-/// Reads a finite float. Returns 0 if there is none.
+/// Reads a finite number. Returns 0 for anything else.
 float read_pnm_float(ImageStream& stream) {
   constexpr std::size_t kMaxLength = 40;
   skip_pnm_space(stream);

@@ -24,8 +24,9 @@ struct KeptGeometry {
   bool expects_changes = false;
   bool is_updatable = false;  ///< AccelInput::updatable
 
-  /// The meshes whose vertices differ from those of an acceleration structure for `input` with these tables; if there
-  /// are none, it would equal the kept one, bit by bit. Nothing if more differs.
+  /// Compares the kept acceleration structure with one for `input` and the tables `other`. Returns the meshes whose
+  /// vertices differ; an empty list means that both structures are equal to the bit. Returns std::nullopt if anything
+  /// else differs.
   std::optional<std::vector<std::uint32_t>> changed_meshes(const GeometryTables& other, const AccelInput& input) const;
 };
 
