@@ -20,10 +20,13 @@ const char* find_name(const IntegratorNames& names, std::string_view name) {
 std::optional<IntegratorMatch> find_integrator(std::string_view name, bool in_pbrt) {
   if (in_pbrt)
     for (const IntegratorEntry& entry : kIntegrators)
-      if (const char* found = find_name(entry.pbrt_names, name)) return IntegratorMatch{&entry, found, false};
+      if (const char* found = find_name(entry.pbrt_names, name)) return IntegratorMatch{&entry, found};
   for (const IntegratorEntry& entry : kIntegrators) {
-    if (const char* found = find_name(entry.names, name)) return IntegratorMatch{&entry, found, false};
-    if (find_name(entry.substituted, name) != nullptr) return IntegratorMatch{&entry, entry.names[0], true};
+    if (const char* found = find_name(entry.names, name)) return IntegratorMatch{&entry, found};
+    if (find_name(entry.substituted, name) != nullptr)
+      return IntegratorMatch{&entry, entry.names[0], Substitution::kEquivalent};
+    if (find_name(entry.unsupported, name) != nullptr)
+      return IntegratorMatch{&entry, entry.names[0], Substitution::kNoisier};
   }
   return std::nullopt;
 }
@@ -37,6 +40,7 @@ std::vector<std::string> integrator_names() {
   for (const IntegratorEntry& entry : kIntegrators) {
     add(entry.names);
     add(entry.substituted);
+    add(entry.unsupported);
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -75,6 +75,9 @@ struct IntegratorEntry {
   IntegratorNames names{};        ///< its own name, then synonyms; in all dialects and on the command line
   IntegratorNames pbrt_names{};   ///< names that mean this integrator in pbrt scenes only
   IntegratorNames substituted{};  ///< integrators of other renderers with the same expected image; noted
+  /// Likewise, but these find caustics and light through small openings that this one finds with far more noise. An
+  /// error on the command line, a warning in scene files.
+  IntegratorNames unsupported{};
   const char* help = nullptr;     ///< description in --help, which lists no integrators without one
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
@@ -94,9 +97,9 @@ inline constexpr IntegratorEntry kIntegrators[] = {
     {.names = {"path", "path_mis", "vol_path", "vol_path_mis", "volpath_mis", "path_vol", "path_vol_mis",
                "path_mis_vol", "medium_path", "medium_path_mis", "simplepath", "simplevolpath"},
      .pbrt_names = {"volpath"},
-     .substituted = {"adaptive", "bdpt", "erpt", "guided_path", "irrcache", "mlt", "path_guiding_integrator",
-                     "path_tracer_recursive", "prb", "prb_basic", "prb_projective", "prb_reparam", "pssmlt",
-                     "randomwalk", "singlescatter", "vcm", "vpl", "vrl"},
+     .substituted = {"adaptive", "guided_path", "irrcache", "path_guiding_integrator", "path_tracer_recursive", "prb",
+                     "prb_basic", "prb_projective", "prb_reparam", "randomwalk", "singlescatter", "vpl", "vrl"},
+     .unsupported = {"bdpt", "erpt", "mlt", "pssmlt", "upbp", "vcm"},
      .help = "path tracing, with multiple importance sampling of lights and BSDFs"},
     {.names = {"direct", "direct_mis"},
      .substituted = {"direct_projective", "direct_reparam", "emission_reparam"},
@@ -136,12 +139,17 @@ inline constexpr IntegratorEntry kIntegrators[] = {
     {.names = {"depth"}, .help = "depth of the first surface", .kind = IntegratorKind::kDepth},
 };
 
+/// How an integrator replaces the named one of another renderer; see IntegratorEntry.
+enum class Substitution { kNone, kEquivalent, kNoisier };
+
 /// An integrator found by a name.
 struct IntegratorMatch {
   const IntegratorEntry* entry;
   /// The name that was searched for, or the entry's own name if the entry replaces another integrator.
   const char* name;
-  bool is_substitute;  ///< the entry replaces another integrator, which has the same expected image
+  Substitution substitution = Substitution::kNone;
+
+  bool is_substitute() const { return substitution != Substitution::kNone; }
 };
 
 /// Finds an integrator by any of its names, or the one that replaces another renderer's integrator. `in_pbrt`: the name

@@ -236,8 +236,7 @@ TEST_CASE("options: misplaced options name their command and only similar names 
 TEST_CASE("options: replaced integrators and samplers are noted") {
   const Workplace workplace;
   for (const auto& [options, note] :
-       {std::pair{"--integrator bdpt", "integrator 'bdpt' is rendered with 'path', which has the same expectation"},
-        {"--integrator mlt", "integrator 'mlt' is rendered with 'path'"},
+       {std::pair{"--integrator vpl", "integrator 'vpl' is rendered with 'path', which has the same expectation"},
         {"--integrator randomwalk", "integrator 'randomwalk' is rendered with 'path'"},
         {"--integrator direct_projective", "integrator 'direct_projective' is rendered with 'direct'"},
         {"--sampler halton", "sampler 'halton' is rendered with 'sobol'"},
@@ -249,6 +248,22 @@ TEST_CASE("options: replaced integrators and samplers are noted") {
     CHECK(contains(outcome.err, note));
   }
   CHECK_FALSE(contains(workplace.render("--integrator path_mats --sampler sobol").err, "is rendered with"));
+}
+
+TEST_CASE("options: unsupported integrators are errors unless --lenient is given") {
+  const Workplace workplace;
+  for (const char* const name : {"bdpt", "mlt", "vcm"}) {
+    CAPTURE(std::string(name));
+    const std::string option = std::string("--integrator ") + name;
+    const Outcome outcome = workplace.render(option);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "integrator '" + std::string(name) +
+                                    "' is not supported; --caustics mnee or --integrator sppm render caustics with "
+                                    "less noise; 'path' has the same expectation (--lenient uses it)"));
+    const Outcome lenient = workplace.render(option + " --lenient --quiet");
+    CHECK(lenient.code == 0);
+    CHECK(contains(lenient.err, "warning: integrator '" + std::string(name) + "' is not supported: rendered with"));
+  }
 }
 
 TEST_CASE("options: layers that no output can hold are rejected") {
@@ -303,6 +318,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"candidates", "2"},
                                                                    {"guiding", "on"},
                                                                    {"caustics", "mnee"},
+                                                                   {"clamp-indirect", "2"},
                                                                    {"medium-estimator", "delta"},
                                                                    {"step-size", "0.1"},
                                                                    {"max-depth", "3"},

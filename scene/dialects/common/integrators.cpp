@@ -23,9 +23,24 @@ void apply(const IntegratorMatch& found, IntegratorSettings& integrator) {
   if (entry.is_direct) integrator.max_depth = 2;
 }
 
+namespace {
+
+constexpr const char* kLessNoise = "--caustics mnee or --integrator sppm render caustics with less noise";
+
 std::string substitution_note(std::string_view name, const IntegratorMatch& found) {
-  if (!found.is_substitute) return {};
+  if (found.substitution == Substitution::kNoisier)
+    return fmt::format("integrator '{}' is not supported: rendered with '{}', which has the same expectation; {}", name,
+                       found.name, kLessNoise);
   return fmt::format("integrator '{}' is rendered with '{}', which has the same expectation", name, found.name);
+}
+
+}  // namespace
+
+void report_substitution(const SourceLocation& where, std::string_view name, const IntegratorMatch& found,
+                         Remarks& remarks) {
+  if (!found.is_substitute()) return;
+  const bool is_noisier = found.substitution == Substitution::kNoisier;
+  (is_noisier ? remarks.warnings : remarks.notes).push_back(SceneError(where, substitution_note(name, found)).what());
 }
 
 IntegratorMatch integrator_or_path(Properties& p, const std::vector<std::string>& others) {
@@ -89,15 +104,21 @@ void white_scene(const IntegratorMatch& found, float length, bool two_sided, Des
   integrator.hide_emitters = true;
 }
 
-void apply_integrator_name(std::string_view name, Description& description) {
+void apply_integrator_name(std::string_view name, bool lenient, Description& description) {
   const std::optional<IntegratorMatch> found = find_integrator(name);
   if (!found)
     throw Error(ExitCode::kUsage, fmt::format("unknown integrator '{}'{}{}", name,
                                               did_you_mean(name, integrator_names()), known_names(integrator_names())));
+  const bool is_noisier = found->substitution == Substitution::kNoisier;
+  if (is_noisier && !lenient)
+    throw Error(ExitCode::kUsage,
+                fmt::format("integrator '{}' is not supported; {}; '{}' has the same expectation (--lenient uses it)",
+                            name, kLessNoise, found->name));
   if (found->entry->whitens_scene)
     return white_scene(*found, description.integrator.visibility_length, true, description);
   apply(*found, description.integrator);
-  if (std::string note = substitution_note(name, *found); !note.empty()) description.notes.push_back(std::move(note));
+  if (found->is_substitute())
+    (is_noisier ? description.warnings : description.notes).push_back(substitution_note(name, *found));
 }
 
 }  // namespace sheaf

@@ -12,8 +12,10 @@ namespace sheaf {
 /// max_depth only if the name determines them.
 void apply(const IntegratorMatch& found, IntegratorSettings& integrator);
 
-/// Returns a note for the user if the integrator replaces `name`, another one with the same expected image; else empty.
-std::string substitution_note(std::string_view name, const IntegratorMatch& found);
+/// Adds a note, or a warning if the noise is far higher, if the integrator replaces the one that a file names at
+/// `where`.
+void report_substitution(const SourceLocation& where, std::string_view name, const IntegratorMatch& found,
+                         Remarks& remarks);
 
 /// Returns the integrator of `p`. Reports an unknown one, which becomes `path`; the message names those of the dialect,
 /// `others`, too.
@@ -30,7 +32,8 @@ void make_white(Description& description, bool two_sided);
 void white_scene(const IntegratorMatch& found, float length, bool two_sided, Description& description);
 
 /// Sets the scene's integrator by name, as the command line does. Adds a note if another integrator replaces it. Throws
-/// Error (usage) for an unknown name; the message lists the nearest name and all names.
-void apply_integrator_name(std::string_view name, Description& description);
+/// Error (usage) for an unknown name; the message lists the nearest name and all names. Throws it for an unsupported
+/// integrator, too; `lenient`: adds a warning instead.
+void apply_integrator_name(std::string_view name, bool lenient, Description& description);
 
 }  // namespace sheaf

@@ -47,7 +47,7 @@ void read_path_like(Properties& p, const IntegratorMatch& found, IntegratorSetti
 void read_substitute(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
   read_path_like(p, found, integrator);
   p.ignore_all();
-  p.context().note(p.where(), substitution_note(p.type(), found));
+  report_substitution(p.where(), p.type(), found, p.context().remarks);
 }
 
 /// Reads `direct`. Several samples per strategy have the same expectation as one; 0 samples disable a strategy.
@@ -107,7 +107,7 @@ void read_integrator(const XmlElement& element, Reader& reader) {
   if (const auto* read = kWrappers.find(p.type())) return (*read)(p, reader);
   const IntegratorMatch found = integrator_or_path(p, kWrappers.names());
   if (found.entry->whitens_scene) return read_visibility(p, found);
-  if (found.is_substitute) {
+  if (found.is_substitute()) {
     read_substitute(p, found, integrator);
   } else if (p.type() == "direct") {
     read_direct(p, found, integrator);

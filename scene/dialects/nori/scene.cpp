@@ -139,9 +139,9 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     if (integrator.traits().has_photon_maps()) read_photon_mapping(p, integrator.photons);
     p.ignore({"inmedium"});  // whether the camera is in a medium; found from the surrounding shapes
   }
-  if (found.is_substitute) {
+  if (found.is_substitute()) {
     p.ignore_all();
-    context.note(element.where, substitution_note(p.type(), found));
+    report_substitution(element.where, p.type(), found, context.remarks);
   }
   p.reject_unused();
 }

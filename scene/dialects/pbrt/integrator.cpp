@@ -61,7 +61,7 @@ void read_integrator(Reader& reader, DirectiveArguments entity) {
   integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
   apply(found, integrator);
   if (integrator.photons.progressive) read_progressive(p, integrator.photons);
-  if (found.is_substitute) reader.note(entity.where, substitution_note(entity.type, found));
+  report_substitution(entity.where, entity.type, found, reader.description);
   static constexpr NameTable<LightSelector> kSelectors{{{"bvh", LightSelector::kBvh},
                                                         {"exhaustive", LightSelector::kBvh},
                                                         {"power", LightSelector::kPower},

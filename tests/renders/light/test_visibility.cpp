@@ -61,10 +61,10 @@ TEST_CASE("ambient occlusion: a point beside a wall is half occluded in every di
   check_half(read(with(kPbrt, "Integrator \"ao\""), "scene.pbrt"));
   for (const char* const name : {"ao", "ambientocclusion"}) {
     Description mitsuba = read(with(kMitsuba, "<integrator type='photonmapper'/>"), "scene.xml");
-    apply_integrator_name(name, mitsuba);
+    apply_integrator_name(name, false, mitsuba);
     check_half(mitsuba);
     Description pbrt = read(with(kPbrt, "Integrator \"volpath\""), "scene.pbrt");
-    apply_integrator_name(name, pbrt);
+    apply_integrator_name(name, false, pbrt);
     check_half(pbrt);
   }
 }
@@ -73,7 +73,7 @@ TEST_CASE("average visibility: images match with and without a length in every d
   // Half of the directions around the normal of the floor hit the wall, at any distance.
   check_half(read(with(kMitsuba, "<integrator type='av'/>"), "scene.xml"));
   Description d = read(with(kMitsuba, "<integrator type='path'/>"), "scene.xml");
-  apply_integrator_name("av", d);
+  apply_integrator_name("av", false, d);
   check_half(d);
   check_half(read(with(kPbrt, "Integrator \"av\""), "scene.pbrt"));
   // With this length, the wall is too far away to be hit.

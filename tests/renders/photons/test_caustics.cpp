@@ -264,11 +264,11 @@ TEST_CASE("caustics: integrators and scenes without support are rejected") {
   };
   add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
   CHECK(error().empty());
-  apply_integrator_name("path_mats", d);
+  apply_integrator_name("path_mats", false, d);
   CHECK(error().find("path_mats") != std::string::npos);
-  apply_integrator_name("photonmapper", d);
+  apply_integrator_name("photonmapper", false, d);
   CHECK(error().find("photonmapper") != std::string::npos);
-  apply_integrator_name("path", d);
+  apply_integrator_name("path", false, d);
   d.camera.medium = add_medium(d, fog(0.2f, 0.9f));
   CHECK(error().find("participating media") != std::string::npos);
 }

@@ -54,7 +54,7 @@ TEST_CASE("integrators: settings keep the name that was given, or that of the su
       CHECK(read_text(nori_scene("<integrator type='" + std::string(name) + "'/>")).integrator.name() == name);
     CHECK(read_pbrt_world("", "Integrator \"" + std::string(name) + "\"").integrator.name() == name);
     Description d;
-    apply_integrator_name(name, d);
+    apply_integrator_name(name, false, d);
     CHECK(d.integrator.name() == name);
   }
   CHECK(mitsuba("bdpt").name() == "path");
@@ -104,12 +104,28 @@ TEST_CASE("Mitsuba: integrators have the documented parameters") {
 }
 
 TEST_CASE("Mitsuba: integrators with the expectation of path tracing are rendered by it with a note") {
-  for (const char* name : {"bdpt", "prb", "prb_basic", "prbvolpath"}) {
+  for (const char* name : {"vpl", "prb", "prb_basic", "prbvolpath"}) {
     CAPTURE(std::string(name));
     const Description other = with_integrator(std::string("<integrator type='") + name + "'/>");
     REQUIRE(other.notes.size() == 1);
     CHECK(contains(other.notes[0], "has the same expectation"));
     CHECK(other.integrator.max_depth == (std::string(name).starts_with("prb") ? 6 : -1));
+  }
+}
+
+TEST_CASE("integrators: bidirectional and Metropolis integrators are rendered by path tracing with a warning") {
+  for (const std::string name : {"bdpt", "erpt", "mlt", "pssmlt", "vcm"}) {
+    CAPTURE(name);
+    const std::string text = "<integrator type='" + name + "'><integer name='maxDepth' value='7'/></integrator>";
+    for (const Description& d : {with_integrator(text), read_text(nori_scene(text)),
+                                 read_pbrt_world("", "Integrator \"" + name + "\" \"integer maxdepth\" 6")}) {
+      CHECK(d.integrator.name() == "path");
+      CHECK(d.integrator.max_depth == 7);
+      REQUIRE(d.warnings.size() == 1);
+      CHECK(contains(d.warnings[0], "integrator '" + name + "' is not supported: rendered with 'path'"));
+      CHECK(contains(d.warnings[0], ":"));
+      CHECK(contains(d.warnings[0], "--caustics mnee or --integrator sppm"));
+    }
   }
 }
 
