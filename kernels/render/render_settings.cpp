@@ -108,6 +108,14 @@ void check_caustics(const IntegratorSettings& integrator) {
                     integrator.name()));
 }
 
+void check_clamp(const RenderSettings& settings) {
+  const IntegratorTraits& traits = settings.integrator.traits();
+  if (settings.clamp_indirect == kInfinity || traits.follows_camera_paths()) return;
+  refuse(fmt::format("clamping indirect light needs an integrator that traces paths from the camera, such as path (got "
+                     "'{}')",
+                     settings.integrator.name()));
+}
+
 /// Number of sets of samples if none is requested; see RenderRequest::replicates.
 std::uint32_t default_replicates(const RenderSettings& settings) {
   if (settings.sampler.kind == SamplerKind::kIndependent) return kFreeReplicates;
@@ -217,6 +225,7 @@ RenderSettings resolve_settings(const SceneSettings& scene, ColorMode color, con
   if (settings.adapts) check_adaptive(settings);
   if (settings.guiding == GuidingMode::kOn) check_guiding(settings.integrator);
   if (settings.caustics == CausticMode::kManifold) check_caustics(settings.integrator);
+  check_clamp(settings);
   // Divide the samples into replicates and passes
   set_replicates(static_cast<std::uint32_t>(std::max(request.replicates, 0)), settings);
   set_range(request.samples, settings);

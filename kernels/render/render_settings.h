@@ -36,6 +36,9 @@ struct RenderFeatures {
   /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
   /// participating media, transparent surfaces and motion.
   CausticMode caustics = CausticMode::kSampled;
+  /// Largest contribution of indirect light to a sample, W/(m^2 sr), as the mean over its channels. Larger ones are
+  /// scaled down to it: there are no fireflies, but light is lost. Indirect light has been scattered at least twice.
+  float clamp_indirect = kInfinity;
 };
 
 /// What a caller requests of a render. Empty: as the scene sets it, or the default.

@@ -123,11 +123,13 @@ void TaskRunner::take_samples(const TileTask& task, std::uint32_t first_sample, 
   worker.camera.begin(pixels, settings.frame, film.layout().size(), film.spectral_bins(),
                       AovChannels(film.layout(), settings.aovs));
   worker.wave.light_groups = group_sink(worker.camera);
+  worker.wave.max_indirect = settings.clamp_indirect * (settings.color == ColorMode::kSpectral ? 4.0f : 3.0f);
   StageContext context = context_;
   context.set_camera_task(worker.camera);
   context.sampler = sampler_of_replicate(context_.sampler, task.replicate, task.replicate_samples);
   run_pass<Wide>(context, worker.wave);
   worker.wave.light_groups.reset();
+  worker.wave.max_indirect = kInfinity;
   reduce(worker.camera, worker.tile);
   reporter_.add_done(static_cast<std::uint64_t>(worker.camera.total()));
 }

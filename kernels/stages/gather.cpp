@@ -323,7 +323,7 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run, L
       const float divisor = context.scene.needs_transmittance
                                 ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
                                 : 1.0f;
-      add_radiance(wave, slot, Float4(wave.paths.row(slot).beta) * Float4(found) * (1.0f / divisor), kNone);
+      add_radiance(wave, slot, Float4(wave.paths.row(slot).beta) * Float4(found) * (1.0f / divisor), kNone, 1);
     }
   }
 }

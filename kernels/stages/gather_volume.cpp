@@ -193,9 +193,9 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
           : gather_points<L>(scene, maps.volume->points, ray, grids, state.direction, single, wave.beam.photons);
   wave.stats.volume_gathering += {1, beams ? wave.beam.lines.size() : wave.beam.photons.size()};
-  add_radiance(wave, slot, over * scattered, kNone);
+  add_radiance(wave, slot, over * scattered, kNone, 1);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
-    add_radiance(wave, slot, over * passage.emitted, ray.medium.light);
+    add_radiance(wave, slot, over * passage.emitted, ray.medium.light, 0);
   // Continue the path behind the medium
   path.beta = path.beta * to_spectrum(passage.transmittance);
   if (!(max_component(path.beta) > 0.0f)) {

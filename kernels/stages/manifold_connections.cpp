@@ -140,7 +140,7 @@ void connect_vertex(const StageContext& context, Wave& wave, ChainTracer& tracer
   if (!is_finite(total(weight)) || is_black(weight)) return;
   ++stats.solutions;
   weight = weight * static_cast<float>(search.walks_to(*chain, stats));
-  add_radiance(wave, slot, Float4(weight), end->light);
+  add_radiance(wave, slot, Float4(weight), end->light, 1 + chain->type.length);
 }
 
 }  // namespace

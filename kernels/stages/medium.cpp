@@ -237,7 +237,7 @@ void medium_path(const StageContext& context, Wave& wave, MediumPath& path, cons
   PathWeights weights = load_weights(wave, path);
   MediumEmission emission(context, wave, path, ray);
   const float t = track(context, ray, u, random, counts, weights, emission);
-  if (ray.has(kMediumEmits)) add_radiance(wave, path.slot, emission.radiance(), ray.medium.light);
+  if (ray.has(kMediumEmits)) add_radiance(wave, path.slot, emission.radiance(), ray.medium.light, 0);
   finish_path(context, wave, path, ray, t, weights);
 }
 

@@ -19,7 +19,7 @@ SHEAF_INLINE void add_unoccluded(const StageContext& context, Wave& wave, int i,
   tally.arrive(c.light[i], found);
   if (context.compares_candidates()) [[unlikely]]
     add_unoccluded_moments(wave, static_cast<Slot>(c.slot[i]), total<Scalar>(found));
-  add_radiance(wave, static_cast<Slot>(c.slot[i]), Float4(found), c.light[i]);
+  add_radiance(wave, static_cast<Slot>(c.slot[i]), Float4(found), c.light[i], 1);
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
   LightCounter(wave.stats).arrive(ray.item.light, to_spectrum(found));
   if (context.compares_candidates()) add_unoccluded_moments(wave, static_cast<Slot>(ray.item.slot), total(found));
-  add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
+  add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light, 1);
 }
 
 /// Moves each ray to the next surface, or to its end. Rays that continue are compacted to the front of the columns.

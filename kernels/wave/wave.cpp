@@ -111,4 +111,10 @@ int Wave::default_capacity(const WaveNeeds& needs) {
   return static_cast<int>(std::clamp(paths, 256l, 4096l));
 }
 
+Float4 limited_indirect(const Wave& wave, Slot slot, const Float4& found, int scatterings) noexcept {
+  if (static_cast<int>(wave.paths.row(slot).depth()) + scatterings < 2) return found;
+  const float sum = total(found);
+  return sum > wave.max_indirect ? found * (wave.max_indirect / sum) : found;
+}
+
 }  // namespace sheaf

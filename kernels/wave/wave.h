@@ -45,7 +45,12 @@ struct Wave : PathPool, ShadingColumns {
   RayRecorder* recorder = nullptr;  ///< optional
   BeamScratch beam;
   std::optional<LightGroupSink> light_groups;  ///< if the film has layers of light groups
+  float max_indirect = kInfinity;  ///< limit on the sum over the lanes of each contribution of indirect light
 };
+
+/// The part of add_radiance() that limits indirect light, which has been scattered at least twice: scales `found` down
+/// to Wave::max_indirect.
+Float4 limited_indirect(const Wave& wave, Slot slot, const Float4& found, int scatterings) noexcept;
 
 /// The part of add_radiance() that serves light groups.
 void add_to_light_group(Wave& wave, Slot slot, const Float4& found, std::uint32_t light) noexcept;

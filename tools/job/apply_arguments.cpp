@@ -147,6 +147,7 @@ RenderRequest request_of(const RenderArguments& arguments, const SamplerSettings
   request.guiding =
       arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
   if (!arguments.caustics.empty()) request.caustics = kCausticModes.option("caustics", arguments.caustics);
+  if (arguments.clamp_indirect) request.clamp_indirect = *arguments.clamp_indirect;
   if (!arguments.samples.empty()) request.samples = parse_samples(arguments.samples);
   if (const std::vector<int>& crop = arguments.crop; !crop.empty())
     request.crop = PixelRect{crop[0], crop[1], crop[2], crop[3]};

@@ -182,6 +182,7 @@ struct TransportArguments {
   std::string candidates;
   std::string guiding;
   std::string caustics;
+  std::optional<float> clamp_indirect;
   std::string medium_estimator;
   std::optional<float> step_size;
   std::optional<int> max_depth;
@@ -260,6 +261,13 @@ struct TransportArguments {
                     "from lights at a point or in a direction, whose caustics are missing otherwise. For path and the "
                     "other path tracing integrators, without media and masks. Default: none")
         .one_of(kCausticModes.names());
+    command
+        .add_option("--clamp-indirect", clamp_indirect,
+                    "Scale every contribution of indirect light, which has been scattered at least twice, down to this "
+                    "radiance (mean of its channels). Removes fireflies, but the image becomes darker: biased. For "
+                    "path, photonmapper and the like. Default: no limit")
+        .positive()
+        .placeholder("RADIANCE");
     command
         .add_option("--medium-estimator", medium_estimator,
                     "Estimator for media: null_mis (spectral MIS over all wavelengths), delta or ratio (tracking by "
