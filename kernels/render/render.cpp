@@ -16,16 +16,17 @@ namespace sheaf {
 namespace {
 
 /// The result of a render that has ended.
-RenderResult result_of(const Scene& scene, SamplePlan& plan, const ProgressReporter& reporter,
-                       const TaskRunner& runner) {
-  plan.complete_film();
+RenderResult result_of(const Scene& scene, const RenderControl& control, SamplePlan& plan,
+                       const ProgressReporter& reporter, const TaskRunner& runner) {
   RenderResult result;
   result.interrupted = plan.is_incomplete();
+  const bool is_used = !result.interrupted || !control.discards_result || !control.discards_result();
+  if (is_used) plan.complete_film();
   result.warnings = runner.warnings();
   result.report = reporter.report(plan, runner.statistics(), result.warnings);
   RenderState state = plan.take_state();
   result.report.interrupted = result.interrupted;
-  result.report.noise = noise_of(state.film, state.splats, state.photons);
+  if (is_used) result.report.noise = noise_of(state.film, state.splats, state.photons);
   result.film = std::move(state.film);
   result.aovs = plan.settings().aovs;
   if (result.film.has_surface_ids()) result.names = scene.names();
@@ -66,7 +67,7 @@ RenderResult render(const Scene& scene, const RenderSettings& settings, const Re
     ProgressReporter reporter(scene, control, plan);
     TaskRunner runner(scene, control, plan, reporter);
     runner.run();
-    RenderResult result = result_of(scene, plan, reporter, runner);
+    RenderResult result = result_of(scene, control, plan, reporter, runner);
     result.report.memory = memory;
     return result;
   } catch (const std::bad_alloc&) { throw not_enough_memory(task, memory); }

@@ -26,6 +26,8 @@ struct RenderControl {
   const std::atomic<bool>* stop = nullptr;  ///< polled between tasks; true ends the render early
   /// State to resume from; it is moved from. Must be of a render of the same scene and settings. Null: a new render.
   RenderState* resume = nullptr;
+  /// Called after a render was stopped; true: its result is not used, so it has no noise and lacks the last samples.
+  std::function<bool()> discards_result = {};
   /// Polled concurrently by workers between tasks; true pauses all of them for on_pause.
   std::function<bool()> wants_pause = {};
   /// Called while all workers pause, and once at the end of a completed or stopped render.

@@ -223,6 +223,7 @@ int render_compiled(const CompiledRender& run, std::optional<RenderState> resume
   RenderControl control = control_of(arguments);
   control.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
+  if (run.repeated != nullptr) control.discards_result = [] { return InterruptGuard::signal() == 0; };
   if (run.repeated != nullptr && run.repeated->camera.has_moved()) InterruptGuard::request_stop();
   const bool writes = run.repeated == nullptr || run.repeated->camera.is_at_home();
   const auto show = [&](const RenderState& state, const RenderReport& report) {

@@ -65,7 +65,7 @@ void MovingFrames::follow(LoadedScene& loaded, const RenderControl& control, Cam
   const auto max_pixels = static_cast<double>(loaded.settings.crop.area());
   preview.begin_move();
   // The first frame has waited until the render stopped
-  pixels_ *= 0.5;
+  pixels_ *= 0.35;
   double wait = 0;
   while (const auto moved = camera.take(wait)) {
     wait = kRestSeconds;
