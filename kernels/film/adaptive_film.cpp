@@ -24,6 +24,13 @@ std::uint32_t next_samples(std::uint32_t taken) {
   return std::bit_floor(taken / 2);
 }
 
+/// Number of samples of a set that needs `samples`.
+double samples_of_set(double samples) {
+  std::uint32_t size = 0;
+  while (size < samples) size += next_samples(size);
+  return size;
+}
+
 /// Radius of the window whose mean serves as the pixel's value, pixels.
 constexpr int kValueReach = 2;
 
@@ -79,7 +86,7 @@ bool AdaptiveFilm::begin_round() {
       tile.converged[half] = tile.converged[half] || taken >= max_per_half || (is_known && noise[half][i] <= requested);
       if (is_known && !tile.converged[half]) expected = std::max(expected, taken * noise[half][i] / requested);
     }
-    expected = std::min(expected, 1.0 * max_per_half);
+    expected = std::min(samples_of_set(std::min(expected, 1.0 * max_per_half)), 1.0 * max_per_half);
     const std::uint32_t next = tile.is_converged() ? 0 : std::min(next_samples(taken), max_per_half - taken);
     expected_[i] = kSets * (tile.is_converged() ? taken : std::max(expected, 1.0 * (taken + next)));
     if (tile.is_converged()) continue;
@@ -88,6 +95,11 @@ bool AdaptiveFilm::begin_round() {
       units_.push_back({static_cast<std::uint32_t>(i), taken, next, set, 0});
   }
   return !units_.empty();
+}
+
+bool AdaptiveFilm::has_estimates() const {
+  // All unfinished tiles have equally many samples
+  return goal_.noise == 0 || units_.empty() || units_.front().first_sample >= kMinSamples;
 }
 
 std::uint64_t AdaptiveFilm::taken_samples(std::size_t tile) const {

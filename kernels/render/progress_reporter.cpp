@@ -4,6 +4,7 @@
 #include "core/simd/saturate.h"
 #include "kernels/render/worker_report.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf {
@@ -44,7 +45,15 @@ bool ProgressReporter::wants_pause() {
 
 void ProgressReporter::add_done(std::uint64_t more) {
   const std::uint64_t done = done_.fetch_add(more, std::memory_order_relaxed) + more;
-  if (control_.on_progress) control_.on_progress(done, total_);
+  if (!control_.on_progress) return;
+  RenderProgress progress{done, total_, before_, is_bound_};
+  if (settings_.time_limit > 0) {
+    const double elapsed = seconds(), left = std::max(settings_.time_limit - elapsed, 0.0);
+    const auto at_limit = done + static_cast<std::uint64_t>(left * progress.samples_per_second(elapsed));
+    progress.total = std::min(total_, std::max(at_limit, min_total_));
+    if (at_limit >= min_total_) progress.until_limit = left;
+  }
+  control_.on_progress(progress);
 }
 
 void ProgressReporter::pause(SamplePlan& plan, const TaskStatistics& tasks) {

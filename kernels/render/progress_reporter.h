@@ -25,7 +25,7 @@ class ProgressReporter {
  public:
   /// Starts the clock. All arguments must outlive the reporter.
   ProgressReporter(const Scene& scene, const RenderControl& control, const SamplePlan& plan)
-      : scene_(scene), settings_(plan.settings()), control_(control), done_(plan.samples_before()) {}
+      : scene_(scene), settings_(plan.settings()), control_(control), before_(plan.samples_before()) {}
 
   /// Whether RenderControl::stop ends the render.
   bool is_stopped() const { return control_.stop != nullptr && control_.stop->load(std::memory_order_relaxed); }
@@ -36,8 +36,13 @@ class ProgressReporter {
   /// Result of the last wants_pause().
   bool is_pausing() const { return pausing_; }
 
-  /// Sets the number of samples and photons of the whole render. Must not be called while workers run.
-  void set_total(std::uint64_t total) { total_ = total; }
+  /// Sets the number of samples and photons of the whole render, and the number before which a time limit does not end
+  /// it. `is_bound`: as RenderProgress. Must not be called while workers run.
+  void set_total(std::uint64_t total, std::uint64_t min_total, bool is_bound) {
+    total_ = total;
+    min_total_ = min_total;
+    is_bound_ = is_bound;
+  }
   /// Reports more samples or photons as progress. Workers call it concurrently.
   void add_done(std::uint64_t more);
   /// Passes the statistics and a checkpoint to the caller. All workers must have finished their tasks.
@@ -53,8 +58,10 @@ class ProgressReporter {
   const RenderControl& control_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::atomic<bool> pausing_{false};
-  std::uint64_t total_ = 0;
-  std::atomic<std::uint64_t> done_;
+  const std::uint64_t before_;
+  std::uint64_t total_ = 0, min_total_ = 0;
+  bool is_bound_ = false;
+  std::atomic<std::uint64_t> done_{before_};
 };
 
 }  // namespace sheaf

@@ -3,6 +3,7 @@
 
 #include "kernels/passes/render_report.h"
 #include "kernels/render/light_group_layers.h"
+#include "kernels/render/render_progress.h"
 #include "kernels/render/render_settings.h"
 #include "kernels/render/render_state.h"
 #include "scene/scene.h"
@@ -19,8 +20,8 @@ class RayRecorder;
 struct RenderControl {
   int threads = 0;    ///< 0: all processors
   int wave_size = 0;  ///< paths in flight per worker; 0: by the L2 cache
-  /// Called concurrently by workers after each task, with the number of samples done and in total.
-  std::function<void(std::uint64_t done, std::uint64_t total)> on_progress = {};
+  /// Called concurrently by workers after each task.
+  std::function<void(const RenderProgress&)> on_progress = {};
   /// Called concurrently, once per worker, to create its Wave::recorder; for benchmarks.
   std::function<RayRecorder*()> make_recorder = {};
   const std::atomic<bool>* stop = nullptr;  ///< polled between tasks; true ends the render early

@@ -90,6 +90,13 @@ std::uint64_t SamplePlan::sample_total() const {
   return others + static_cast<std::uint64_t>(samples);
 }
 
+std::uint64_t SamplePlan::min_sample_total() const {
+  std::uint64_t samples = training_samples(state_.film.width(), state_.film.height(), settings_.training);
+  if (!state_.adaptive || may_end_early()) return samples;
+  for (const AdaptiveUnit& unit : state_.adaptive->units()) samples += tiles_[unit.tile].sampled.area() * unit.samples;
+  return samples;
+}
+
 std::uint64_t SamplePlan::samples_before() const {
   std::uint64_t samples = settings_.sampled.area() * (state_.first_sample - settings_.range.first) + state_.photons;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {

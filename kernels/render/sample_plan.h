@@ -40,6 +40,10 @@ class SamplePlan {
   const RenderState& state() const { return state_; }
   /// Number of samples and photons of the whole render; an estimate in adaptive sampling.
   std::uint64_t sample_total() const;
+  /// Whether that is no upper bound: the noise is known, or does not matter.
+  bool knows_sample_total() const { return !state_.adaptive || state_.adaptive->has_estimates(); }
+  /// Number of samples before which may_end_early() is false, in adaptive sampling.
+  std::uint64_t min_sample_total() const;
   /// Number of samples and photons taken before the render was resumed.
   std::uint64_t samples_before() const;
   /// Whether the time limit may end the render: every tile has samples, and adaptive sampling decides their number.

@@ -72,7 +72,8 @@ void TaskRunner::run() {
 
 /// Runs a round to its end, unless the render is stopped.
 void TaskRunner::run_round() {
-  reporter_.set_total(plan_.sample_total() + light_.photon_total());
+  reporter_.set_total(plan_.sample_total() + light_.photon_total(), plan_.min_sample_total(),
+                      !plan_.knows_sample_total());
   if (plan_.round() == RoundKind::kTraining) light_.train(plan_.settings(), workers_, context_);
   if (plan_.round() == RoundKind::kCamera) light_.prepare(plan_.state().first_sample, workers_, context_);
   for (bool is_done = false; !is_done && !ends();) {

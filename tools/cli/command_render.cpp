@@ -109,9 +109,8 @@ RenderResult render_with_progress(const Scene& scene, const RenderSettings& sett
                                   const std::function<void(const RenderState&, const RenderReport&)>& show) {
   RenderReport report;
   const auto write = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
-  Progress progress(progress_mode(), settings.crop.area() * settings.camera_samples(), write, Progress::steady_seconds,
-                    [] { return terminal_columns(STDERR_FILENO); });
-  control.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  Progress progress(progress_mode(), write, Progress::steady_seconds, [] { return terminal_columns(STDERR_FILENO); });
+  control.on_progress = [&progress](const RenderProgress& now) { progress.update(now); };
   control.stop = &InterruptGuard::stop();
   control.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
   control.on_report = [&](const RenderReport& now) { report = now; };

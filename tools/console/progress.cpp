@@ -27,26 +27,24 @@ double Progress::steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-Progress::Progress(Mode mode, std::uint64_t samples, Write write, Clock clock, Columns columns)
+Progress::Progress(Mode mode, Write write, Clock clock, Columns columns)
     : mode_(mode),
-      samples_(static_cast<double>(samples)),
       write_(std::move(write)),
       clock_(std::move(clock)),
       columns_(std::move(columns)),
       start_(clock_()),
       next_show_(start_ + (mode == Mode::kLines ? kLineInterval : 0.0)) {}
 
-void Progress::update(std::uint64_t done, std::uint64_t total) {
+void Progress::update(const RenderProgress& progress) {
   if (mode_ == Mode::kQuiet) return;
-  total_.store(total, std::memory_order_relaxed);
   std::uint64_t seen = done_.load(std::memory_order_relaxed);
-  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {}
+  while (seen < progress.done && !done_.compare_exchange_weak(seen, progress.done, std::memory_order_relaxed)) {}
   const double now = clock_();
   if (now < next_show_.load(std::memory_order_relaxed)) return;
   const std::unique_lock lock(printing_, std::try_to_lock);
   if (!lock || finished_ || now < next_show_.load(std::memory_order_relaxed)) return;
   next_show_ = now + (mode_ == Mode::kLines ? kLineInterval : kBarInterval);
-  show(now);
+  show(progress, now);
 }
 
 void Progress::finish() {
@@ -57,14 +55,13 @@ void Progress::finish() {
   if (mode_ == Mode::kBar) write_("\r\x1b[K");
 }
 
-std::string Progress::describe(double fraction, double now) const {
-  const double elapsed = now - start_;
-  const double speed = elapsed > 0 ? fraction * samples_ / elapsed * 1e-6 : 0.0;
-  const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
+std::string Progress::describe(const RenderProgress& progress, double now) const {
+  const double elapsed = now - start_, fraction = progress.fraction();
   const std::string percentage = fmt::format("{:3} %", std::min(static_cast<int>(100 * fraction), 99)),
                     time = fmt::format("  {} elapsed", format_duration(elapsed)),
-                    rest = fmt::format(", {} left", format_duration(left)),
-                    rate = fmt::format(", {:.2f} Msamples/s", speed);
+                    rest = fmt::format(", {}{} left", progress.is_bound ? "at most " : "",
+                                       format_duration(progress.seconds_left(elapsed))),
+                    rate = fmt::format(", {:.2f} Msamples/s", progress.samples_per_second(elapsed) * 1e-6);
   if (mode_ != Mode::kBar) return percentage + time + rest + rate;
   // A line as long as the terminal is wide would scroll it. Leave out the least important parts first.
   const int columns = columns_ ? columns_() : 0;
@@ -75,9 +72,9 @@ std::string Progress::describe(double fraction, double now) const {
   return percentage.substr(0, room);
 }
 
-void Progress::show(double now) {
-  const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
-  const std::string text = describe(total > 0 ? std::min(done / total, 1.0) : 0.0, now);
+void Progress::show(RenderProgress progress, double now) {
+  progress.done = done_.load();
+  const std::string text = describe(progress, now);
   write_(mode_ == Mode::kBar ? fmt::format("\r{}\x1b[K", text) : text + "\n");
 }
 

@@ -1,8 +1,9 @@
-// Progress display of a long computation: percentage, elapsed time, remaining time and speed, as a bar or as log lines.
+// Progress display of a render: percentage, elapsed time, remaining time and speed, as a bar or as log lines.
 #pragma once
 
+#include "kernels/render/render_progress.h"
+
 #include <atomic>
-#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace sheaf {
 
-/// Counts the work of any number of threads and displays it at intervals. It never shows 100 %.
+/// Displays the progress that any number of threads report, at intervals. It never shows 100 %.
 class Progress {
  public:
   enum class Mode {
@@ -26,31 +27,28 @@ class Progress {
   /// Width of the terminal in characters; 0: unknown. Called by one thread at a time.
   using Columns = std::function<int()>;
 
-  /// `samples`: number of samples of all the work, for the displayed speed. Time starts now. A bar is kept shorter than
-  /// `columns`.
-  Progress(Mode mode, std::uint64_t samples, Write write, Clock clock = steady_seconds, Columns columns = {});
+  /// Time starts now. A bar is kept shorter than `columns`.
+  explicit Progress(Mode mode, Write write, Clock clock = steady_seconds, Columns columns = {});
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Reports that `done` of `total` units of work are done. Thread-safe and cheap. Calls may come out of order; the
-  /// maximum is used.
-  void update(std::uint64_t done, std::uint64_t total);
+  /// Thread-safe and cheap. Calls may come out of order; the maximum of `done` is used.
+  void update(const RenderProgress& progress);
   /// Erases the bar. Later calls of any function do nothing.
   void finish();
 
   static double steady_seconds();
 
  private:
-  std::string describe(double fraction, double now) const;
-  void show(double now);
+  std::string describe(const RenderProgress& progress, double now) const;
+  void show(RenderProgress progress, double now);
 
   const Mode mode_;
-  const double samples_;
   const Write write_;
   const Clock clock_;
   const Columns columns_;
   const double start_;
-  std::atomic<std::uint64_t> done_{0}, total_{0};
+  std::atomic<std::uint64_t> done_{0};
   std::atomic<double> next_show_;
   std::mutex printing_;
   bool finished_ = false;  ///< guarded by printing_

@@ -107,7 +107,7 @@ LivePage::LivePage(const Endpoint& endpoint, std::string scene, DisplayTransform
 void LivePage::begin_scene() {
   const std::lock_guard lock(mutex_);
   run_ = new_run();
-  done_ = total_ = 0;
+  set_progress({});
   start_ = end_ = 0;
   state_ = "reading";
   report_ = "null";
@@ -117,7 +117,7 @@ void LivePage::begin_scene() {
 
 void LivePage::begin_move() {
   const std::lock_guard lock(mutex_);
-  done_ = total_ = 0;
+  set_progress({});
   start_ = end_ = 0;
   state_ = "moving";
 }
@@ -128,10 +128,19 @@ void LivePage::begin_render() {
   state_ = "rendering";
 }
 
-void LivePage::update(std::uint64_t done, std::uint64_t total) {
-  total_.store(total, std::memory_order_relaxed);
-  std::uint64_t seen = done_.load(std::memory_order_relaxed);
-  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {}
+void LivePage::update(const RenderProgress& progress) {
+  const std::lock_guard lock(progress_mutex_);
+  if (progress.done > progress_.done) progress_ = progress;  // workers may report in any order
+}
+
+RenderProgress LivePage::progress() const {
+  const std::lock_guard lock(progress_mutex_);
+  return progress_;
+}
+
+void LivePage::set_progress(const RenderProgress& progress) {
+  const std::lock_guard lock(progress_mutex_);
+  progress_ = progress;
 }
 
 void LivePage::set_state(const std::string& state) {
@@ -220,19 +229,21 @@ HttpResponse LivePage::status() {
   looked_ = now;
   const std::lock_guard lock(mutex_);
   // Estimate the progress
-  const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
-  const double fraction = state_ == "done" ? 1.0 : total > 0 ? std::min(done / total, 0.9999) : 0.0;
+  const RenderProgress progress = this->progress();
+  const double fraction = state_ == "done" ? 1.0 : std::min(progress.fraction(), 0.9999);
   const double elapsed = start_ > 0 ? (end_ > 0 ? end_ : now) - start_ : 0.0;
-  const bool can_tell = state_ == "rendering" && fraction > 0;
+  const double left = state_ == "rendering" ? progress.seconds_left(elapsed) : -1.0;
   // Build the response
   const Json json{{"run", run_},
                   {"scene", scene_},
                   {"state", state_},
-                  {"done", done_.load()},
-                  {"total", total_.load()},
+                  {"done", progress.done},
+                  {"total", progress.total},
+                  {"total_is_bound", progress.is_bound},
                   {"fraction", fraction},
                   {"elapsed_seconds", elapsed},
-                  {"left_seconds", can_tell ? Json(elapsed * (1 - fraction) / fraction) : Json()},
+                  {"left_seconds", left >= 0 ? Json(left) : Json()},
+                  {"samples_per_second", progress.samples_per_second(elapsed)},
                   {"image", image_number_},
                   {"denoised_image", denoised_number_},
                   {"layers_image", layers_number_},

@@ -3,6 +3,7 @@
 
 #include "core/image/display_transform.h"
 #include "core/image/image.h"
+#include "kernels/render/render_progress.h"
 #include "tools/preview/camera_control.h"
 #include "tools/preview/http_server.h"
 #include "tools/preview/preview_denoiser.h"
@@ -37,8 +38,8 @@ class LivePage {
   void begin_render();
   /// Begins another render of the same scene, with a camera that moves.
   void begin_move();
-  /// Sets the progress, in the units of RenderControl::on_progress. Cheap.
-  void update(std::uint64_t done, std::uint64_t total);
+  /// Sets the progress, as RenderControl::on_progress. Cheap.
+  void update(const RenderProgress& progress);
   /// Sets the state of the render: "reading", "rendering", "writing", "done" ...
   void set_state(const std::string& state);
   /// Sets the state "failed", and shows the errors where the image is.
@@ -72,6 +73,8 @@ class LivePage {
   };
 
   HttpResponse answer(const HttpRequest& request);
+  RenderProgress progress() const;
+  void set_progress(const RenderProgress& progress);
   HttpResponse status();
   HttpResponse encoded_image(const HttpRequest& request, const std::string& source);
   HttpResponse move(const HttpRequest& request) const;
@@ -85,7 +88,8 @@ class LivePage {
   const DisplayTransform display_;
   const bool repeats_;
   CameraControl* const camera_;  ///< null: it cannot be moved
-  std::atomic<std::uint64_t> done_{0}, total_{0};
+  mutable std::mutex progress_mutex_;
+  RenderProgress progress_;                    ///< guarded by progress_mutex_
   std::atomic<double> looked_{-1e9};           ///< time of the last status request, s on the steady clock
   std::atomic<double> denoised_looked_{-1e9};  ///< the same for denoised images
   std::atomic<double> encoding_seconds_{0};

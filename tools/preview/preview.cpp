@@ -128,9 +128,9 @@ void Preview::watch(RenderControl& control) {
   first_ = nullptr;
   next_ = pause_requested_ = 0;
   if (page_) page_->begin_render();
-  control.on_progress = [this, before = std::move(control.on_progress)](std::uint64_t done, std::uint64_t total) {
-    if (before) before(done, total);
-    if (page_) page_->update(done, total);
+  control.on_progress = [this, before = std::move(control.on_progress)](const RenderProgress& progress) {
+    if (before) before(progress);
+    if (page_) page_->update(progress);
   };
   control.on_report = [this, before = std::move(control.on_report)](const RenderReport& report) {
     if (before) before(report);

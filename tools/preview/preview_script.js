@@ -39,10 +39,11 @@ function note(text) {
 
 function show_figures(status) {
   const report = status.report, figures = [["elapsed", duration(status.elapsed_seconds)]];
-  if (status.state === "rendering") figures.push(["left", duration(status.left_seconds)]);
-  figures.push(["samples", big(status.done) + " of " + big(status.total)]);
+  const most = status.total_is_bound ? "at most " : "";
+  if (status.state === "rendering") figures.push(["left", most + duration(status.left_seconds)]);
+  figures.push(["samples", big(status.done) + " of " + most + big(status.total)]);
   at("summary").textContent = figures.map(figure => figure.join(" ")).join(" \u00b7 ");
-  if (status.elapsed_seconds > 0) figures.push(["per second", big(Math.round(status.done / status.elapsed_seconds))]);
+  if (status.samples_per_second > 0) figures.push(["per second", big(Math.round(status.samples_per_second))]);
   if (report) {
     figures.push(["size", report.width + " \u00d7 " + report.height], ["integrator", report.integrator],
       ["samples per pixel", ended.has(status.state) || report.mean_samples >= report.spp ? report.spp :

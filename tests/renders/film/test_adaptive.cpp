@@ -10,6 +10,7 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -243,6 +244,55 @@ TEST_CASE("adaptive sampling: a time limit ends the render with an image") {
   CHECK(result.report.adaptive->min_samples >= 8);
   CHECK(result.report.adaptive->max_samples < 1 << 20);
   CHECK(mean_of(result.film.to_image(), "A") > 0);
+}
+
+TEST_CASE("adaptive sampling: progress is bounded by the maximum until the noise is known, and then estimated by it") {
+  const auto scene = compile_scene(lamp_scene(64, 64, false));
+  RenderOptions options = adaptive_options(0.05, 1 << 20);
+  options.threads = 1;
+  std::vector<RenderProgress> calls;
+  options.on_progress = [&](const RenderProgress& progress) { calls.push_back(progress); };
+  const RenderResult result = render(*scene, options);
+  CHECK(result.report.adaptive->reached == result.report.adaptive->tiles);
+  REQUIRE_FALSE(calls.empty());
+  CHECK(calls.front().is_bound);
+  CHECK(calls.front().total == std::uint64_t{64 * 64} << 20);
+  CHECK_FALSE(calls.back().is_bound);
+  const auto samples = static_cast<double>(calls.back().done);
+  for (const RenderProgress& call : calls) {
+    const auto total = static_cast<double>(call.total);
+    CAPTURE(static_cast<double>(call.done) / samples);
+    CHECK(call.done <= call.total);
+    CHECK((call.is_bound || (total > samples / 2 && total < samples * 2)));
+  }
+}
+
+TEST_CASE("adaptive sampling: with a time limit, progress leaves at most the time until then") {
+  const auto scene = compile_scene(lamp_scene(64, 64, false));
+  RenderOptions options;
+  options.time_limit = 0.5;
+  options.samples_per_pixel = 1 << 20;
+  options.threads = 1;
+  double max_left = 0;  // elapsed time included
+  RenderProgress last;
+  const auto start = std::chrono::steady_clock::now();
+  options.on_progress = [&](const RenderProgress& progress) {
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    max_left = std::max(max_left, elapsed + progress.seconds_left(elapsed));
+    last = progress;
+  };
+  render(*scene, options);
+  CHECK(max_left < options.time_limit + 0.5);  // the setup of the render takes a moment
+  CHECK(last.fraction() > 0.9);
+  CHECK_FALSE(last.is_bound);
+  // A limit that ends before every pixel has samples
+  options.time_limit = 1e-6;
+  std::vector<RenderProgress> calls;
+  options.on_progress = [&](const RenderProgress& progress) { calls.push_back(progress); };
+  render(*scene, options);
+  REQUIRE(calls.size() > 1);
+  CHECK(calls.front().total == 64 * 64 * 8);
+  CHECK(calls.back().done == calls.back().total);
 }
 
 TEST_CASE("adaptive sampling: unsupported combinations are rejected") {

@@ -24,7 +24,7 @@ std::vector<std::uint32_t> pass_ends(int samples, int replicates) {
   options.replicates = replicates;
   bool has_progress = false;
   std::vector<std::uint32_t> ends;
-  options.on_progress = [&](std::uint64_t, std::uint64_t) { has_progress = true; };
+  options.on_progress = [&](const RenderProgress&) { has_progress = true; };
   options.wants_pause = [&] { return has_progress; };
   options.on_pause = [&](const RenderState& state) {
     has_progress = false;

@@ -145,8 +145,8 @@ TEST_CASE("an interrupted render reports its sample count and its noise where it
       for (const double fraction : {0.2, 0.9}) {
         std::atomic<bool> stop{false};
         options.stop = &stop;
-        options.on_progress = [&](std::uint64_t done, std::uint64_t total) {
-          if (static_cast<double>(done) >= fraction * static_cast<double>(total)) stop = true;
+        options.on_progress = [&](const RenderProgress& progress) {
+          if (progress.fraction() >= fraction) stop = true;
         };
         const RenderResult part = render(*scene, options);
         CHECK(part.interrupted);

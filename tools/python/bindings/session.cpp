@@ -265,11 +265,11 @@ RenderedImage Session::render(const OptionValues& options, const std::vector<Xml
   // Render
   RenderControl control = control_of(job.arguments);
   control.stop = &watch.stop;
-  control.on_progress = [&watch](std::uint64_t done, std::uint64_t total) {
-    watch.total.store(total, std::memory_order_relaxed);
+  control.on_progress = [&watch](const RenderProgress& progress) {
+    watch.total.store(progress.total, std::memory_order_relaxed);
     // Workers may report in any order
     std::uint64_t last = watch.done.load(std::memory_order_relaxed);
-    while (last < done && !watch.done.compare_exchange_weak(last, done, std::memory_order_relaxed)) {}
+    while (last < progress.done && !watch.done.compare_exchange_weak(last, progress.done, std::memory_order_relaxed)) {}
   };
   RenderResult result = sheaf::render(*loaded_.scene, loaded_.settings, control);
   RenderReport& report = result.report;

@@ -26,6 +26,7 @@ class _Bar:
             except ImportError:
                 tqdm = _Line
             self._bar = tqdm(total=total, desc="render", unit="sample", unit_scale=True, leave=False)
+        self._bar.total = total  # an estimate with noise_target and time_limit
         self._bar.update(done - self._bar.n)
 
     def close(self) -> None:
@@ -37,12 +38,12 @@ class _Line:
     """A line of text that is written again and again."""
 
     def __init__(self, total: int, **_: Any) -> None:
-        self.n, self._total = 0, total
+        self.n, self.total = 0, total
 
     def update(self, count: int) -> None:
         """Adds samples."""
         self.n += count
-        sys.stderr.write(f"\rrender: {100 * self.n // self._total:3d} %")
+        sys.stderr.write(f"\rrender: {100 * self.n // self.total:3d} %")
         sys.stderr.flush()
 
     def close(self) -> None:
