@@ -50,6 +50,12 @@ std::string precomputation_problem(const RenderSettings& settings, const RenderS
 }
 
 std::string problem_of(const RenderSettings& settings, const RenderState& state) {
+  if (settings.adapts && !state.adaptive)
+    return "--time-limit now, not in the checkpoint: renders with a time limit divide their samples in another way";
+  if (!settings.adapts && state.adaptive)
+    return fmt::format(
+        "--time-limit in the checkpoint, not now: give it again, or --spp {} to take all samples that remain",
+        state.division.spp);
   if (settings == state.division) return "";
   if (settings.spp < state.division.spp) return "it is a render of more samples";
   if (settings.adapts || state.adaptive) return "adaptive sampling depends on the maximum number of samples";
@@ -59,7 +65,10 @@ std::string problem_of(const RenderSettings& settings, const RenderState& state)
 
 }  // namespace
 
-Continuation continue_from(const RenderSettings& settings, const RenderState& state) {
+Continuation continue_from(const RenderSettings& requested, const RenderState& state) {
+  // Without its time limit, a render takes the samples that remain
+  const bool keeps_adapting = state.adaptive && !requested.adapts && requested.spp == state.division.spp;
+  const RenderSettings settings = keeps_adapting ? with_adaptive_sampling(requested) : requested;
   const std::string problem = problem_of(settings, state);
   const std::uint32_t size = state.division.replicate_samples;
   if (problem.empty() || settings.requests_replicates || size >= state.division.spp) return {settings, problem};

@@ -14,8 +14,9 @@ struct Continuation {
   std::string problem;  ///< why the render would not have the same bits as one without interruption; empty: it has them
 };
 
-/// The continuation of `state` by a render with `settings`. If the number of replicates was not requested, chooses the
-/// default or, if the checkpoint has sets of another size, one that continues these sets.
-Continuation continue_from(const RenderSettings& settings, const RenderState& state);
+/// The continuation of `state` by a render with the `requested` settings. If the number of replicates was not
+/// requested, chooses the default or, if the checkpoint has sets of another size, one that continues these sets. If the
+/// checkpoint had a time limit and there is none now, takes all samples adaptively.
+Continuation continue_from(const RenderSettings& requested, const RenderState& state);
 
 }  // namespace sheaf

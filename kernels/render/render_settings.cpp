@@ -245,6 +245,13 @@ RenderSettings with_replicates(const RenderSettings& settings, std::uint32_t rep
   return changed;
 }
 
+RenderSettings with_adaptive_sampling(const RenderSettings& settings) {
+  RenderSettings changed = settings;
+  changed.adapts = true;
+  set_training(changed);
+  return with_replicates(changed, settings.requests_replicates ? settings.replicates : 0);
+}
+
 std::uint32_t replicates_for_parts(const RenderSettings& settings, std::uint32_t parts) {
   if (settings.replicates == 1 || settings.requests_replicates) return settings.replicates;
   const std::uint32_t samples = settings.camera_samples();

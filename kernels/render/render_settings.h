@@ -86,6 +86,9 @@ RenderSettings resolve_settings(const Scene& scene, const RenderRequest& request
 /// The same settings with another number of sets of samples. Throws Error (usage) if a range of samples splits a set.
 RenderSettings with_replicates(const RenderSettings& settings, std::uint32_t replicates);
 
+/// The same settings with adaptive sampling, as with a time limit.
+RenderSettings with_adaptive_sampling(const RenderSettings& settings);
+
 /// Number of replicates whose sets of samples can be divided among `parts` parts: the requested number, or else at
 /// least the default one. `parts` must not exceed the camera samples.
 std::uint32_t replicates_for_parts(const RenderSettings& settings, std::uint32_t parts);

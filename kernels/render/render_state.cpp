@@ -34,6 +34,19 @@ const std::string* find(const RecordedSettings& settings, const std::string& nam
   return nullptr;
 }
 
+/// A difference of a setting. `here`, `there`: its value in the render and in the checkpoint; null: it is not set.
+std::string difference(const std::string& name, const std::string* here, const std::string* there) {
+  if (!name.starts_with("--")) {
+    if (there == nullptr) return fmt::format("{} is not in the checkpoint", name);
+    if (here == nullptr) return fmt::format("{} in the checkpoint is not part of the scene now", name);
+    return fmt::format("{} has changed ('{}' in the checkpoint, '{}' now)", name, *there, *here);
+  }
+  // Options without a value have the value "true"
+  const auto given = [&](const std::string& value) { return value == "true" ? name : name + " " + value; };
+  if (there == nullptr) return given(*here) + " now, not in the checkpoint";
+  return given(*there) + " in the checkpoint, " + (here == nullptr ? "not" : *here) + " now";
+}
+
 /// One line for each difference, at most kMaxReported.
 std::vector<std::string> differences(const RecordedSettings& here, const RecordedSettings& there) {
   std::vector<std::string> found;
@@ -46,14 +59,10 @@ std::vector<std::string> differences(const RecordedSettings& here, const Recorde
   for (const auto& [name, value, kind] : here) {
     if (may_differ(name)) continue;
     const std::string* other = find(there, name);
-    if (other == nullptr)
-      found.push_back(fmt::format("{} is '{}', but was not given before", name, value));
-    else if (*other != value)
-      found.push_back(fmt::format("{} is '{}', but the checkpoint has '{}'", name, value, *other));
+    if (other == nullptr || *other != value) found.push_back(difference(name, &value, other));
   }
   for (const auto& [name, value, kind] : there)
-    if (!may_differ(name) && find(here, name) == nullptr)
-      found.push_back(fmt::format("{} is not given, but the checkpoint has '{}'", name, value));
+    if (!may_differ(name) && find(here, name) == nullptr) found.push_back(difference(name, nullptr, &value));
   if (found.size() <= kMaxReported) return found;
   const std::string more = fmt::format("and {} more", found.size() - kMaxReported);
   found.resize(kMaxReported);

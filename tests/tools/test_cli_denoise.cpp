@@ -22,6 +22,10 @@ TEST_CASE("a render stops at the noise target or at the time limit") {
   CHECK(contains(header, "variance.R"));
   CHECK(run(folder, "render scene.xml --time-limit 0.1 --checkpoint b.state -o b.exr").code == 0);
   CHECK(run(folder, "render scene.xml --time-limit 0.2 --checkpoint b.state --resume -o b.exr").code == 0);
+  CHECK(run(folder, "render scene.xml --spp 256 --time-limit 1ms --checkpoint c.state -o c.exr").code == 0);
+  const Outcome whole = run(folder, "render scene.xml --spp 256 --checkpoint c.state --resume -o c.exr");
+  CHECK(whole.code == 0);
+  CHECK(contains(whole.err, "256 spp on average"));
   for (const char* wrong : {"--noise-target 0", "--noise-target nan", "--time-limit -1", "--noise-target 0.1 --spp 3",
                             "--noise-target 0.1 --sampler stratified", "--time-limit 1 --integrator normals"}) {
     CAPTURE(std::string(wrong));

@@ -179,7 +179,8 @@ TEST_CASE("display: a finished render continues with more samples to the same by
   // No continuation with the same bits
   const Outcome refused = render("--spp 4096 --replicates 2 -o c.exr --checkpoint a.state --resume");
   CHECK(refused.code == 5);
-  CHECK(contains(refused.err, "cannot be continued from 2048 samples per pixel: its samples form sets of 32 samples"));
+  CHECK(contains(refused.err,
+                 "a.state: cannot be continued: --spp 2048 in the checkpoint, 4096 now: its samples form sets of 32"));
   // A few samples are taken again.
   REQUIRE(render("--spp 8 --quiet -o a.exr --checkpoint few.state").code == 0);
   const Outcome again = render("--spp 64 -o b.exr --checkpoint few.state --resume");

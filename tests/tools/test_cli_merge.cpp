@@ -160,7 +160,7 @@ TEST_CASE("samples that cannot be split are usage errors with the reason") {
   const Outcome other =
       run(scene.folder, "render scene.xml -o a.exr --replicates 4 --samples 8:8 --checkpoint a.state --resume");
   CHECK(other.code == 5);
-  CHECK(contains(other.err, "--samples is '8:8', but the checkpoint has '0:8'"));
+  CHECK(contains(other.err, "--samples 0:8 in the checkpoint, 8:8 now"));
 }
 
 TEST_CASE("mismatched parts are rejected by name") {

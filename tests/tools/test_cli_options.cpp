@@ -391,6 +391,32 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
   write_bytes(workplace.folder / "other.exr", "");
   const std::string common = "render scene.xml --spp 4 --quiet ";
   REQUIRE(run(workplace.folder, common + "-o out.exr --checkpoint a.state").code == 0);
+TEST_CASE("options: a checkpoint of other settings is refused with the values of both") {
+  const Workplace workplace;
+  const auto resume = [&](const std::string& options) {
+    const Outcome outcome =
+        run(workplace.folder, "render scene.xml --quiet -o out.exr --checkpoint a.state --resume " + options);
+    CHECK(outcome.code == 5);
+    return outcome.err;
+  };
+  REQUIRE(run(workplace.folder,
+              "render scene.xml --quiet --spp 64 --seed 2 -D size=9 --lenient -o out.exr --checkpoint a.state")
+              .code == 0);
+  const std::string same = "--lenient -D size=9 --seed 2 ";
+  CHECK(contains(resume("--spp 64 --lenient --seed 3 -D size=10"),
+                 "a.state: is a checkpoint of another render: --seed 2 in the checkpoint, 3 now; "
+                 "--define size=9 in the checkpoint, size=10 now\n"));
+  CHECK(contains(resume("--spp 64 -D size=9"),
+                 "--seed 2 in the checkpoint, not now; --lenient in the checkpoint, not now\n"));
+  CHECK(contains(resume(same + "--spp 32"), "a.state: cannot be continued: --spp 64 in the checkpoint, 32 now"));
+  CHECK(contains(resume(same), "--spp 64 in the checkpoint, 16 now"));
+  CHECK(contains(resume(same + "--spp 64 --time-limit 9"), "--time-limit now, not in the checkpoint"));
+  write_bytes(workplace.folder / "scene.xml", read_bytes(workplace.folder / "scene.xml") + "\n");
+  CHECK(contains(resume(same + "--spp 64"), "scene.xml has changed ('"));
+  write_bytes(workplace.folder / "a.state", "P6 8 8 255\n");
+  CHECK(contains(resume(same + "--spp 64"), "a.state: is not a sheaf checkpoint"));
+}
+
   const auto resume = [&](const std::string& options) {
     return run(workplace.folder, common + "--checkpoint a.state --resume " + options);
   };
@@ -405,7 +431,9 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     const std::string also = name == "spectral-bins" ? " --color spectral" : "";
     const Outcome outcome = resume("-o out.exr --" + name + " " + value + also);
     CHECK(outcome.code == 5);
-    CHECK(contains(outcome.err, "--" + name + " is '"));
+    const std::string given = "--" + name + (value.empty() ? "" : " " + value);
+    CAPTURE(outcome.err);
+    CHECK(contains(outcome.err, given + " now, not in the checkpoint"));
   }
   CHECK(run(workplace.folder, "render scene.xml --spp 3 --quiet -o out.exr --checkpoint a.state --resume").code == 5);
   for (const auto& [name, value] : kRuns) {

@@ -161,7 +161,7 @@ TEST_CASE("a killed or interrupted render resumes from its checkpoint to the sam
   REQUIRE(std::filesystem::exists(folder / "part.state"));
   CHECK(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").code == 5);
   CHECK(contains(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").err,
-                 "cannot be continued from 3000 samples per pixel: it is a render of more samples"));
+                 "part.state: cannot be continued: --spp 3000 in the checkpoint, 2999 now"));
   CHECK(run(folder, "render scene.xml -D size=64 --spp 3000 --checkpoint part.state").code == 2);
   CHECK(run(folder, "render scene.xml --resume").code == 2);
   CHECK(run(folder, "render scene.xml --checkpoint scene.xml --resume").code == 2);

@@ -217,7 +217,7 @@ int render_compiled(const CompiledRender& run, std::optional<RenderState> resume
   RenderJob& job = run.job;
   const RenderArguments& arguments = job.arguments;
   std::string note;
-  const RenderSettings settings = continued_settings(job.settings, resumed, note);
+  const RenderSettings settings = continued_settings(job.settings, arguments.checkpoint.file, resumed, note);
   if (!note.empty()) print_note(note);
   RenderControl control = control_of(arguments);
   control.resume = resumed ? &*resumed : nullptr;

@@ -79,8 +79,8 @@ RecordedSettings recorded_settings(const std::vector<GivenOption>& given, const 
   return settings;
 }
 
-RenderSettings continued_settings(const RenderSettings& settings, std::optional<RenderState>& resumed,
-                                  std::string& note) {
+RenderSettings continued_settings(const RenderSettings& settings, const std::string& file,
+                                  std::optional<RenderState>& resumed, std::string& note) {
   /// Below this number of samples per pixel, a checkpoint is not worth an error.
   constexpr std::uint32_t kFewSamples = 32;
   note.clear();
@@ -94,11 +94,14 @@ RenderSettings continued_settings(const RenderSettings& settings, std::optional<
           before, resumed->division.replicate_samples, continuation.settings.replicates);
     return continuation.settings;
   }
-  const std::string reason = fmt::format("{} samples per pixel: {}", before, continuation.problem);
+  std::string reason = continuation.problem;
+  if (settings.spp != before && settings.adapts == resumed->adaptive.has_value())
+    reason = fmt::format("--spp {} in the checkpoint, {} now: {}", before / settings.rays, settings.camera_samples(),
+                         reason);
   if (before >= kFewSamples || settings.spp <= before)
-    throw Error(ExitCode::kCheckpoint, "the checkpoint cannot be continued from " + reason);
+    throw Error(ExitCode::kCheckpoint, {file, 0}, "cannot be continued: " + reason);
   resumed.reset();
-  note = "the render begins again, because the checkpoint cannot be continued from " + reason;
+  note = fmt::format("the render begins again, because '{}' cannot be continued: {}", file, reason);
   return settings;
 }
 

@@ -26,10 +26,11 @@ RecordedSettings recorded_settings(const std::vector<GivenOption>& given,
                                    const std::vector<std::filesystem::path>& files);
 
 /// The settings with which `resumed` continues, if there is a checkpoint: with the number of replicates that it needs.
-/// `note`: receives a note for the user, or an empty string. A checkpoint of few samples that do not begin the new
-/// render is dropped. Throws Error (exit code 5) if a checkpoint of more samples does not.
-RenderSettings continued_settings(const RenderSettings& settings, std::optional<RenderState>& resumed,
-                                  std::string& note);
+/// `file`: the checkpoint, for messages. `note`: receives a note for the user, or an empty string. A checkpoint of few
+/// samples that do not begin the new render is dropped. Throws Error (exit code 5) if a checkpoint of more samples does
+/// not.
+RenderSettings continued_settings(const RenderSettings& settings, const std::string& file,
+                                  std::optional<RenderState>& resumed, std::string& note);
 
 /// Writes the checkpoints of one render.
 class Checkpointer {

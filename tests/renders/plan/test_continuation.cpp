@@ -151,6 +151,35 @@ TEST_CASE("continuations that would change bits are refused with the reason") {
   CHECK(contains(problem(photons, 16, options_of(32, 2), ColorMode::kSpectral), "sets of wavelengths"));
 }
 
+TEST_CASE("a render with a time limit continues with another one, and without one to the same number of samples") {
+  const auto scene = compile_scene(box(SamplerKind::kSobol));
+  RenderOptions limited = options_of(1 << 16);
+  limited.time_limit = 1e-3;
+  const RenderState first = finished(*scene, limited);
+  CHECK(first.adaptive->summary().mean_samples < 64);
+  limited.time_limit = 2;
+  CHECK(continue_from(resolve_settings(*scene, limited), first).problem.empty());
+  CHECK(contains(continue_from(resolve_settings(*scene, options_of(64)), first).problem,
+                 "--time-limit in the checkpoint, not now: give it again, or --spp 65536"));
+
+  // Without the limit
+  RenderOptions whole = options_of(64);
+  whole.time_limit = 1e6;
+  const Image expected = render(*scene, whole).to_image();
+  whole.time_limit = 1e-3;
+  RenderState state = finished(*scene, whole);
+  const Continuation continuation = continue_from(resolve_settings(*scene, options_of(64)), state);
+  CHECK(continuation.problem.empty());
+  RenderControl control;
+  control.resume = &state;
+  CHECK(same_images(render(*scene, continuation.settings, control).to_image(), expected));
+
+  // Adding one
+  state = finished(*scene, options_of(64));
+  CHECK(contains(continue_from(resolve_settings(*scene, whole), state).problem,
+                 "--time-limit now, not in the checkpoint"));
+}
+
 TEST_CASE("passes of a shorter render begin those of a longer one") {
   const SampleDivision four{128, 32, 0, 256, {0, 128}}, sixteen{512, 32, 0, 256, {0, 512}};
   CHECK(begins_with(sixteen, four, 128));

@@ -233,10 +233,10 @@ TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
   CHECK(message_of(kSettings).empty());
   CHECK(message_of({{"--spp", "9"}, {"scene.xml", "1 bytes"}}).empty());  // judged by continue_from()
   CHECK(contains(message_of({{"--spp", "8"}, {"scene.xml", "2 bytes"}}),
-                 "scene.xml is '2 bytes', but the checkpoint has '1 bytes'"));
-  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml is not given"));
+                 "scene.xml has changed ('1 bytes' in the checkpoint, '2 bytes' now)"));
+  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml in the checkpoint is not part of the scene now"));
   CHECK(contains(message_of({{"--spp", "8"}, {"scene.xml", "1 bytes"}, {"--seed", "2"}}),
-                 "--seed is '2', but was not given before"));
+                 "--seed 2 now, not in the checkpoint"));
 
   const std::string good = read_bytes(file);
   for (std::size_t size = 0; size < good.size(); size += good.size() / 50 + 1) {
