@@ -81,7 +81,7 @@ bool reads_as_mesh(const std::filesystem::path& file) {
 }
 
 Description read_model(const std::filesystem::path& file, const ModelView& view, const ModelEnvironment& surroundings,
-                       bool lenient) {
+                       bool lenient, FileContents* contents) {
   Description description;
   description.file = file;
   description.files = {file};
@@ -102,6 +102,7 @@ Description read_model(const std::filesystem::path& file, const ModelView& view,
     if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
       load_model(part, MeshFileShape(*from), description);
   const std::array<Vec3d, 2> box = read_bounds(description, errors);
+  if (contents != nullptr) *contents = {false, {}, {}, box};
   frame_box(box, view, description);
   // Add default materials, floor and light
   const MaterialId gray = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
@@ -117,19 +118,21 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
   Description description;
   set_model_defaults(description);
   if (options.shutter) description.shutter = *options.shutter;
-  const GltfContents contents = read_gltf(file, options.folder.value_or(file.parent_path()), options.moment,
-                                          options.camera, options.lenient, description);
+  GltfContents contents = read_gltf(file, options.folder.value_or(file.parent_path()), options.moment, options.camera,
+                                    options.lenient, description);
   std::array<Vec3d, 2> box{Vec3d{-1, -1, -1}, Vec3d{1, 1, 1}};
   if (!description.shapes.empty() || !description.instances.empty()) {
     ErrorSink errors(options.lenient, description.substitutions);
     box = read_bounds(description, errors);
     errors.throw_errors();
+    contents.model_bounds = box;
   } else {
     // An animation may hide everything for a while
     const SceneError nothing({file.string(), 0}, "has no triangles to render");
     if (!contents.has_camera) throw nothing;
     description.notes.push_back(nothing.what());
   }
+  if (options.contents != nullptr) *options.contents = contents;
   if (!contents.has_camera) frame_box(box, options.view, description);
   if (!contents.has_camera && !contents.has_lights && options.surroundings.floor)
     add_floor(box, options.view, description);

@@ -8,9 +8,9 @@ namespace sheaf {
 /// Builds a scene around a model. Materials come from the MTL files of an OBJ file, the texture that a PLY file names
 /// (scene/formats/ply_header.h), or vertex or face colors; otherwise the model is gray. Missing normals are computed
 /// with compute_creased_normals(). Throws SceneError. `lenient`: unreadable materials and faces that refer to missing
-/// vertices become warnings.
+/// vertices become warnings. `contents`: as ReadOptions::contents.
 Description read_model(const std::filesystem::path& file, const ModelView& view, const ModelEnvironment& surroundings,
-                       bool lenient);
+                       bool lenient, FileContents* contents);
 
 /// Whether a file is a mesh by its extension, in any case (scene/formats/model_formats.h).
 bool reads_as_mesh(const std::filesystem::path& file);

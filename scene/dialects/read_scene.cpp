@@ -157,6 +157,7 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
                       errors};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
   context.camera = options.camera;
+  context.needs_camera = options.contents == nullptr;
   context.readers.spectrum = read_property_spectrum;
   context.readers.scalar_texture = scalar_texture;
   errors.run([&] {
@@ -169,10 +170,14 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
     description.files = scene.files();
     if (options.lenient) drop_bad_faces(description);
     expand_obj_materials(description, errors);
-    if (!options.lenient) return;
+    if (!options.lenient && context.needs_camera) return;
     if (context.frames_scene) frame_box(read_bounds(description, errors), options.view, description);
   });
   if (options.lenient) add_default_light(description);
+  if (options.contents != nullptr) {
+    options.contents->has_camera = !context.frames_scene;
+    options.contents->cameras = std::move(context.cameras);
+  }
   return description;
 }
 
@@ -183,7 +188,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   if (reads_as_gltf(file)) return read_gltf_scene(file, options);
   if (reads_as_mesh(file)) {
     reject_camera_choice(options);
-    return read_model(file, options.view, options.surroundings, options.lenient);
+    return read_model(file, options.view, options.surroundings, options.lenient, options.contents);
   }
   if (is_pbrt_scene(file)) {
     reject_camera_choice(options);

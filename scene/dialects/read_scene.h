@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/dialects/file_contents.h"
 #include "scene/dialects/model/model_view.h"
 #include "scene/xml/xml_expand.h"
 
@@ -31,6 +32,8 @@ struct ReadOptions {
   std::string camera;  ///< name or number of a camera, in glTF files and scenes of Mitsuba; empty: the first
   /// Replaces the shutter of the scene. For models, its times are relative to `moment.time`.
   std::optional<ShutterDescription> shutter;
+  /// Receives the contents of the file, unless null; a scene without a camera is then no error.
+  FileContents* contents = nullptr;
 };
 
 /// A dialect of scene files.

@@ -49,10 +49,12 @@ struct ReadContext {
   std::map<const XmlElement*, MediumId> media = {};          ///< already read
   /// shape groups already read: index into Description::groups
   std::map<const XmlElement*, std::uint32_t> groups = {};
-  bool mirrors_nori_camera = true;  ///< convention of ETH's course; see docs/scene-format/nori.md
-  std::string camera = {};          ///< name or number of the camera; empty: the first
-  bool frames_scene = false;        ///< an automatic camera must be placed
-  bool in_group = false;            ///< shapes of a group are being read
+  bool mirrors_nori_camera = true;        ///< convention of ETH's course; see docs/scene-format/nori.md
+  std::string camera = {};                ///< name or number of the camera; empty: the first
+  bool needs_camera = true;               ///< a scene without one is an error
+  bool frames_scene = false;              ///< an automatic camera must be placed
+  std::vector<std::string> cameras = {};  ///< names of all cameras, empty where they have none; not of Nori's scenes
+  bool in_group = false;                  ///< shapes of a group are being read
 
   /// Adds a remark for the user, without duplicates.
   void note(const SourceLocation& where, const std::string& message);

@@ -1,10 +1,12 @@
 // The command line as a user runs it: usage errors, malformed scenes, info, compare, and warnings.
 #include "core/image/exr.h"
+#include "tests/support/files/gltf_files.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <string>
@@ -189,6 +191,50 @@ TEST_CASE("all errors of a scene are printed, and a line that names --lenient") 
     CHECK(contains(outcome.err, "\nsheaf: scene.xml:12: unknown shape plugin 'torus'"));
     CHECK(outcome.err.ends_with("\nsheaf: 2 errors; --lenient substitutes or drops what cannot be read\n"));
   }
+}
+
+TEST_CASE("info leaves the surroundings out of the bounds of a model and lists cameras and animations") {
+  test::GltfBuilder gltf;
+  gltf.add_triangle();
+  const int times = gltf.add<float>({0.5f, 2}, "SCALAR"), positions = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
+  gltf.json["animations"].push_back(
+      {{"name", "Rise"},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+       {"samplers", {{{"input", times}, {"output", positions}}}}});
+  const TemporaryFolder folder;
+  write_bytes(folder / "model.glb", gltf.binary());
+  const auto info = [&](const std::string& file) { return run(folder, "info " + file).out; };
+  const std::string bare = info("model.glb");
+  CAPTURE(bare);
+  CHECK(contains(bare, "camera      none, placed automatically\n"));
+  CHECK(contains(bare, "animation   0: Rise, 0.5 to 2 s\n"));
+  const nlohmann::json json = nlohmann::json::parse(info("model.glb --json")),
+                       floorless = nlohmann::json::parse(info("model.glb --json --no-floor"));
+  CHECK(json["bounds"] == floorless["bounds"]);
+  CHECK(json["bounds"]["max"][0] < 10);
+  CHECK(json["cameras"].is_null());
+  CHECK(json["animations"] == nlohmann::json{{{"name", "Rise"}, {"start", 0.5}, {"end", 2.0}}});
+  // The same for a mesh
+  write_bytes(folder / "mesh.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 3\n");
+  CHECK(contains(info("mesh.obj"), "bounds      (0, 0, 0) to (2, 3, 0) (of the model alone)\n"));
+  // Cameras
+  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
+  gltf.json["nodes"].push_back({{"camera", 0}, {"name", "front"}, {"translation", {0, 0, 4}}});
+  gltf.json["nodes"].push_back({{"camera", 0}});
+  gltf.json["scenes"][0]["nodes"] = {0, 1, 2};
+  write_bytes(folder / "model.glb", gltf.binary());
+  CHECK(contains(info("model.glb"), "camera      0: front\ncamera      1: (no name)\n"));
+  CHECK(nlohmann::json::parse(info("model.glb --json"))["cameras"] == nlohmann::json{"front", ""});
+  write_bytes(folder / "scene.xml",
+              "<scene version='3.0.0'><sensor type='perspective' id='a'/><sensor type='perspective' id='b'/></scene>");
+  CHECK(contains(info("scene.xml"), "camera      0: a\ncamera      1: b\n"));
+  // A scene that has no camera yet
+  write_bytes(folder / "shape.xml", "<scene version='3.0.0'><shape type='sphere'/></scene>");
+  const Outcome unfinished = run(folder, "info shape.xml");
+  CHECK(unfinished.code == 0);
+  CHECK(contains(unfinished.out, "camera      none\n"));
+  CHECK(contains(unfinished.out, "bounds      (-1, -1, -1) to (1, 1, 1)\n"));
+  CHECK(contains(run(folder, "render shape.xml").err, "the scene has no <sensor>"));
 }
 
 TEST_CASE("info lists the contents of a scene") {

@@ -86,6 +86,22 @@ std::string describe(const CompileReport& report) {
   return text;
 }
 
+/// The cameras and animations to choose from, with their numbers.
+std::string describe(const FileContents& contents) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  if (!contents.has_camera)
+    fmt::format_to(out, "camera      {}\n", contents.model_bounds ? "none, placed automatically" : "none");
+  for (std::size_t i = 0; i < contents.cameras.size(); ++i)
+    fmt::format_to(out, "camera      {}: {}\n", i, contents.cameras[i].empty() ? "(no name)" : contents.cameras[i]);
+  for (std::size_t i = 0; i < contents.animations.size(); ++i) {
+    const auto& [name, times] = contents.animations[i];
+    fmt::format_to(out, "animation   {}: {}", i, name.empty() ? "(no name)" : name);
+    text += times ? fmt::format(", {:.6g} to {:.6g} s\n", (*times)[0], (*times)[1]) : "\n";
+  }
+  return text;
+}
+
 /// Peak memory of the program so far, and the expected peak of rendering the scene.
 std::string describe_peaks(const Scene& scene) {
   const double now = resident_memory();
@@ -106,7 +122,8 @@ std::string describe_peaks(const Scene& scene) {
                      loading, format_bytes(now + rendering), format_bytes(now), parts);
 }
 
-std::string describe(const Description& description, const Scene& scene, const CompileReport& report) {
+std::string describe(const Description& description, const FileContents& contents, const Scene& scene,
+                     const CompileReport& report) {
   const SceneInfo info = scene.info();
   const FilmSettings& film = description.film;
   std::string text;
@@ -136,9 +153,12 @@ std::string describe(const Description& description, const Scene& scene, const C
   fmt::format_to(out, "materials   {}\n", info.materials);
   if (!description.media.empty()) fmt::format_to(out, "media       {}\n", description.media.size());
   fmt::format_to(out, "lights      {}\n", info.lights);
+  text += describe(contents);
   if (info.shapes > 0) {
     const int digits = scene.origin() == Vec3d() ? 6 : 12;
-    fmt::format_to(out, "bounds      {} to {}\n", describe(info.bounds_min, digits), describe(info.bounds_max, digits));
+    const auto bounds = contents.model_bounds.value_or(std::array<Vec3d, 2>{info.bounds_min, info.bounds_max});
+    fmt::format_to(out, "bounds      {} to {}{}\n", describe(bounds[0], digits), describe(bounds[1], digits),
+                   contents.model_bounds ? " (of the model alone)" : "");
   }
   // Describe memory and messages
   text += describe(report);
@@ -216,8 +236,9 @@ void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   Command command =
       program.add_command("info",
-                          "Print the contents and bounds of a scene file, the bounds of its grids, and the memory "
-                          "for loading and rendering it; or print the header of an OpenEXR file.");
+                          "Print the contents and bounds of a scene file, its cameras and animations, the bounds of "
+                          "its grids, and the memory for loading and rendering it; or print the header of an OpenEXR "
+                          "file.");
   command.add_option("scene", arguments->scene, "Scene file, or image (.exr); - reads a scene from the standard input")
       .file();
   command.begin_group(kOutputOptions);
@@ -244,7 +265,10 @@ void add_info_command(Command& program, int& exit_code) {
       std::fputs(text.c_str(), stdout);
       return;
     }
-    Description description = read_scene(arguments->scene, read_options(arguments->scene, arguments->read));
+    FileContents contents;
+    ReadOptions reading = read_options(arguments->scene, arguments->read);
+    reading.contents = &contents;
+    Description description = read_scene(arguments->scene, reading);
     CompileReport report;
     CompileOptions options;
     options.report = &report;
@@ -252,8 +276,8 @@ void add_info_command(Command& program, int& exit_code) {
     ErrorSink errors(arguments->read.lenient, description.substitutions);
     options.errors = &errors;
     const std::unique_ptr<Scene> scene = compile_scene(description, options);
-    const std::string text =
-        arguments->json ? info_json(description, *scene, report) : printable(describe(description, *scene, report));
+    const std::string text = arguments->json ? info_json(description, contents, *scene, report)
+                                             : printable(describe(description, contents, *scene, report));
     std::fputs(text.c_str(), stdout);
   });
 }

@@ -36,6 +36,15 @@ InfoJson grids_json(const CompileReport& report) {
   return grids;
 }
 
+InfoJson animations_json(const FileContents& contents) {
+  InfoJson animations = InfoJson::array();
+  for (const auto& [name, times] : contents.animations)
+    animations.push_back({{"name", name},
+                          {"start", times ? InfoJson((*times)[0]) : InfoJson()},
+                          {"end", times ? InfoJson((*times)[1]) : InfoJson()}});
+  return animations;
+}
+
 /// The memory that rendering adds to the loaded scene, in bytes by purpose.
 InfoJson rendering_json(const Scene& scene) {
   InfoJson json;
@@ -47,7 +56,8 @@ InfoJson rendering_json(const Scene& scene) {
 
 }  // namespace
 
-std::string info_json(const Description& description, const Scene& scene, const CompileReport& report) {
+std::string info_json(const Description& description, const FileContents& contents, const Scene& scene,
+                      const CompileReport& report) {
   const SceneInfo info = scene.info();
   const FilmSettings& film = description.film;
   const SamplerSettings& sampler = description.sampler;
@@ -75,9 +85,11 @@ std::string info_json(const Description& description, const Scene& scene, const 
                {"materials", info.materials},
                {"media", description.media.size()},
                {"lights", info.lights}});
+  json["cameras"] = contents.has_camera ? InfoJson(contents.cameras) : InfoJson();
+  json["animations"] = animations_json(contents);
+  const auto bounds = contents.model_bounds.value_or(std::array<Vec3d, 2>{info.bounds_min, info.bounds_max});
   const bool has_bounds = info.shapes > 0;
-  json["bounds"] =
-      has_bounds ? InfoJson{{"min", vector_json(info.bounds_min)}, {"max", vector_json(info.bounds_max)}} : InfoJson();
+  json["bounds"] = has_bounds ? InfoJson{{"min", vector_json(bounds[0])}, {"max", vector_json(bounds[1])}} : InfoJson();
   json["grids"] = grids_json(report);
   json["environment"] = {{"width", report.envmap_width}, {"height", report.envmap_height}};
   // Describe memory and messages

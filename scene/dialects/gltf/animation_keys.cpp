@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace sheaf::gltf {
 
@@ -120,6 +121,21 @@ const GltfAnimation* find_animation(const GltfFile& file, const AnimationTime& m
   }
   throw SceneError({file.file.string(), 0}, fmt::format("has no animation {}{}", in_quotes(moment.animation),
                                                         did_you_mean(moment.animation, names)));
+}
+
+std::optional<std::array<double, 2>> time_range(const GltfFile& file, const GltfAnimation& animation) {
+  std::optional<std::array<double, 2>> range;
+  std::set<int> read;  // channels share their times
+  for (const GltfAnimation::Channel& channel : animation.channels) {
+    if (!read.insert(channel.times).second) continue;
+    try {
+      for (const float each : read_floats(file, channel.times, 1)) {
+        const double time{each};
+        range = range ? std::array{std::min((*range)[0], time), std::max((*range)[1], time)} : std::array{time, time};
+      }
+    } catch (const SceneError&) { return std::nullopt; }
+  }
+  return range;
 }
 
 std::string channel_name(const GltfAnimation& animation, std::size_t channel) {

@@ -4,6 +4,9 @@
 #include "scene/dialects/model/model_view.h"
 #include "scene/formats/gltf.h"
 
+#include <array>
+#include <optional>
+
 namespace sheaf::gltf {
 
 /// The keys of a channel. Each key of a cubic spline has an incoming tangent, a value and an outgoing tangent.
@@ -24,6 +27,9 @@ AnimationKeys load_keys(const GltfFile& file, const GltfAnimation::Channel& chan
 
 /// The animation that `moment` names, or null without a time. Throws SceneError if it does not exist.
 const GltfAnimation* find_animation(const GltfFile& file, const AnimationTime& moment);
+
+/// Times of the first and the last key of an animation, s; empty if it has none or they cannot be read.
+std::optional<std::array<double, 2>> time_range(const GltfFile& file, const GltfAnimation& animation);
 
 /// Name of a channel in messages.
 std::string channel_name(const GltfAnimation& animation, std::size_t channel);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/dialects/file_contents.h"
 #include "scene/dialects/model/model_view.h"
 
 #include <filesystem>
@@ -9,9 +10,9 @@
 
 namespace sheaf {
 
-/// The parts of a scene that a glTF file has.
-struct GltfContents {
-  bool has_camera = false, has_lights = false;
+/// The parts of a scene that a glTF file has; without bounds.
+struct GltfContents : FileContents {
+  bool has_lights = false;
 };
 
 /// Reads a glTF 2.0 file (.gltf, .glb): its default scene with its first camera, or the camera that `camera` names.

@@ -1,6 +1,7 @@
 // Scenes of glTF: nodes, instances, and what is chosen of cameras.
 #include "scene/dialects/common/choose_camera.h"
 #include "scene/dialects/common/moving_groups.h"
+#include "scene/dialects/gltf/animation_keys.h"
 #include "scene/dialects/gltf/deformation.h"
 #include "scene/dialects/gltf/node_motion.h"
 #include "scene/dialects/gltf/reader.h"
@@ -83,6 +84,7 @@ class SceneReader {
       names.push_back(node.name.empty() ? file_.cameras[static_cast<std::size_t>(node.camera)].name : node.name);
     }
     contents_.has_camera = !nodes.empty();
+    contents_.cameras = names;
     if (nodes.empty() && requested.empty()) return;
     const std::size_t i = nodes[choose_camera(requested, names, file_.file)];
     set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], directed_placement_of(i), file_, out_);
@@ -256,7 +258,10 @@ GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem:
   description.file = file;
   description.files = {file};
   description.files.insert(description.files.end(), gltf.files.begin(), gltf.files.end());
-  return gltf::SceneReader(gltf, moment, lenient, description).read(camera);
+  GltfContents contents = gltf::SceneReader(gltf, moment, lenient, description).read(camera);
+  for (const GltfAnimation& animation : gltf.animations)
+    contents.animations.push_back({animation.name, gltf::time_range(gltf, animation)});
+  return contents;
 }
 
 }  // namespace sheaf

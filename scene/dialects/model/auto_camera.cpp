@@ -158,8 +158,9 @@ void frame_box(const std::array<Vec3d, 2>& box, const ModelView& view, Descripti
 }
 
 void substitute_camera(const XmlElement& root, const char* what, ReadContext& context) {
-  context.errors.report(SceneError(root.where, std::string("the scene has no ") + what, SceneErrorCode::kMissing),
-                        "rendered with an automatic camera");
+  if (context.needs_camera)
+    context.errors.report(SceneError(root.where, std::string("the scene has no ") + what, SceneErrorCode::kMissing),
+                          "rendered with an automatic camera");
   context.frames_scene = true;
 }
 

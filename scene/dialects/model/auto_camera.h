@@ -21,7 +21,7 @@ Vec3f up_vector(const ModelView& view);
 void frame_box(const std::array<Vec3d, 2>& box, const ModelView& view, Description& description);
 
 /// Handles a scene without a camera. Throws SceneError at `root`, saying that `what` is missing; if the context is
-/// lenient, requests automatic camera placement after reading.
+/// lenient or needs no camera, requests automatic camera placement after reading.
 void substitute_camera(const XmlElement& root, const char* what, ReadContext& context);
 
 }  // namespace sheaf
