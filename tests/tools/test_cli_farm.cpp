@@ -1,6 +1,7 @@
 // The jobs that `sheaf farm` writes, run by a replacement for sbatch that runs each job at once. test_slurm.cpp uses
 // Slurm.
 #include "core/image/exr.h"
+#include "tests/support/files/gltf_files.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
 
@@ -163,6 +164,63 @@ TEST_CASE("farm: samples are split into ranges") {
   CHECK(contains(read_bytes(farm.here / "jobs/merge.sh"), "options=('--crop' '1,2,10,12')"));
 }
 
+TEST_CASE("farm: the merged image is denoised") {
+  const FarmFolder farm;
+  const std::string scene = kQuotedScene, options = " --spp 64 --no-timestamps --replicates 4 --exposure 1 --aov ";
+  for (const char* const parts : {"--parts 2 --tiles", "--parts 4"}) {
+    CAPTURE(std::string(parts));
+    const Outcome made = farm.sheaf("farm " + scene + " --folder jobs -o out.exr -o out.png --submit --denoise nlm " +
+                                    parts + " --" + options + "uv");
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    REQUIRE(
+        farm.sheaf("render " + scene + " -q -o whole.exr" + options + "uv,albedo,normal,depth,variance,half").code ==
+        0);
+    REQUIRE(farm.sheaf("denoise whole.exr --exposure 1 -o out2.exr -o out2.png").code == 0);
+    const Image image = read_exr(farm.here / "out.exr");
+    CHECK(image.find_channel("denoised.R") >= 0);
+    CHECK(image.find_channel("uv.U") >= 0);
+    check_near(image, read_exr(farm.here / "out2.exr"));
+    if (std::string(parts) == "--parts 2 --tiles")
+      CHECK(read_bytes(farm.here / "out.png") == read_bytes(farm.here / "out2.png"));
+    CHECK_FALSE(std::filesystem::exists(farm.here / "jobs/parts/merged.exr"));
+  }
+  CHECK(contains(read_bytes(farm.here / "jobs/merge.sh"), "denoise_options=('--exposure' '1')"));
+}
+
+TEST_CASE("farm: the frames of a glTF file are rendered at their times") {
+  test::GltfBuilder gltf;
+  gltf.add_triangle();
+  const int times = gltf.add<float>({0, 1}, "SCALAR"), positions = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
+  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
+  gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 4}}});
+  gltf.json["scenes"][0]["nodes"] = {0, 1};
+  gltf.json["animations"].push_back(
+      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+       {"samplers", {{{"input", times}, {"output", positions}}}}});
+  const FarmFolder farm;
+  write_bytes(farm.here / "model.glb", gltf.binary());
+  const std::string options = "--size 24x16 --spp 4 --no-timestamps -q";
+  const Outcome made =
+      farm.sheaf("farm model.glb --frames 0:2 --fps 2.3 --parts 2 --tiles -o a.png --submit -- " + options);
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  REQUIRE(farm.sheaf("render model.glb --frames 0:2 --fps 2.3 -o b.png " + options).code == 0);
+  for (const char* const number : {"0000", "0001", "0002"})
+    CHECK(read_bytes(farm.here / fmt::format("a_{}.png", number)) ==
+          read_bytes(farm.here / fmt::format("b_{}.png", number)));
+  CHECK(read_bytes(farm.here / "a_0000.png") != read_bytes(farm.here / "a_0001.png"));
+}
+
+TEST_CASE("farm: the help names each option of render that it does not take") {
+  const FarmFolder farm;
+  const std::string help = farm.sheaf("help farm").out;
+  for (const char* const name : {"--noise-target", "--time-limit", "--stats", "--samples", "--threads", "ptracer"}) {
+    CAPTURE(std::string(name));
+    CHECK(contains(help, name));
+  }
+}
+
 TEST_CASE("farm: invalid requests are usage errors and write nothing") {
   const FarmFolder farm;
   const std::string scene = kQuotedScene;
@@ -180,7 +238,10 @@ TEST_CASE("farm: invalid requests are usage errors and write nothing") {
   for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:0", "1:2:3:4", "1:2:", "a:b", "1:99999999"})
     CHECK(contains(error("--parts 2 --frames=" + std::string(frames)), "FIRST:LAST"));
   CHECK(contains(error("--parts 2 -- --threads 3"), "--cpus"));
-  CHECK(contains(error("--parts 2 -- --denoise nlm"), "sheaf denoise"));
+  CHECK(contains(error("--parts 2 -- --denoise nlm"), "the --denoise of 'sheaf farm'"));
+  CHECK(contains(error("--parts 2 --denoise nlm -- --spp 1"), "at least 2 samples per pixel"));
+  write_bytes(farm.here / "still.stl", "");
+  CHECK(contains(farm.sheaf("farm still.stl --parts 2 --frames 1:2").err, "not to models that do not move"));
   CHECK(contains(error("--parts 2 -- --noise-target 0.1"), "rendered independently"));
   CHECK(contains(error("--parts 2 -- -o x.exr"), "the --output of 'sheaf farm'"));
   CHECK(contains(error("--parts 2 -- --integrator ptracer"), "ptracer"));

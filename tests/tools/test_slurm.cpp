@@ -61,6 +61,12 @@ for part in 0 1 2; do
 done
 [[ $(scontrol show job "${first}_3") == *Restarts=0* ]] || fail "part 3 was run twice"
 [[ -e out_0001.exr && -e out_0002.exr ]] || fail "the images are not there"
+"$sheaf" farm "a scene.xml" --parts 2 --denoise nlm -o denoised.exr --submit -- --spp 64 || fail "not submitted"
+for ((i = 0; i < 600; ++i)); do
+  [[ -n $(squeue -h) ]] || break
+  sleep 0.1
+done
+[[ -e denoised.exr ]] || fail "there is no denoised image"
 )sh";
 
 }  // namespace
@@ -86,6 +92,7 @@ TEST_SUITE("slow") {
                       timed_out = read_bytes(folder / "a scene_farm/parts/0001/2.log");
     CHECK(contains(killed, "was ended by signal 9"));
     CHECK(contains(timed_out, "was ended by signal 15"));
+    CHECK(read_exr(folder / "denoised.exr").find_channel("denoised.R") >= 0);
     for (const std::string frame : {"1", "2"}) {
       CAPTURE(frame);
       REQUIRE(run(folder, "render 'a scene.xml' -D frame=" + frame + " --replicates 16 --quiet -o whole.exr").code ==

@@ -1,9 +1,12 @@
 // sheaf farm: writes and submits the jobs with which a Slurm cluster renders images in parts.
 #include "core/io/error.h"
 #include "core/io/output_file.h"
+#include "scene/dialects/read_model.h"
 #include "tools/cli/commands.h"
 #include "tools/farm/farm_scripts.h"
+#include "tools/farm/frames.h"
 #include "tools/farm/render_plan.h"
+#include "tools/job/apply_arguments.h"
 #include "tools/job/image_files.h"
 #include "tools/options/process_command_line.h"
 
@@ -25,6 +28,8 @@ struct FarmArguments {
   std::string scene, frames, folder, partition, time, memory;
   std::vector<std::string> outputs, sbatch, options;
   int parts = 0, cpus = 1, grace = 60;
+  std::optional<float> fps;
+  std::string denoiser;
   bool tiles = false, submit = false;
   VerbosityArguments verbosity;
 };
@@ -33,15 +38,42 @@ struct FarmArguments {
 constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"output", "use the --output of 'sheaf farm'"},
     {"frames", "use the --frames of 'sheaf farm'"},
+    {"fps", "use the --fps of 'sheaf farm'"},
+    {"denoise", "use the --denoise of 'sheaf farm'"},
     {"skip-existing", "run submit.sh again to continue failed jobs"},
     {"samples", "farm chooses it"},
     {"checkpoint", "farm chooses it"},
     {"resume", "farm chooses it"},
     {"threads", "use the --cpus of 'sheaf farm'"},
     {"stats", "all parts would write the same file"},
-    {"denoise", "run 'sheaf denoise' on the merged image"},
     {"noise-target", "parts are rendered independently"},
     {"time-limit", "parts are rendered independently"}};
+
+/// The help on these options.
+std::string unsupported_options() {
+  std::string text = "Not supported:";
+  for (const auto& [name, why] : kUnsupportedOptions) text += fmt::format("\n--{} ({}),", name, why);
+  return text + "\n--integrator ptracer (its samples cannot be split: use --parts 1 --tiles)";
+}
+
+/// Adds the layers that the denoiser uses to the options of the parts.
+void request_layers(const std::string& denoiser, std::vector<std::string>& options) {
+  std::string aovs = denoiser == "nlm" ? "albedo,normal,depth,variance,half" : "albedo,normal,depth";
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    const std::string option = options[i], name = "--aov";
+    const bool is_split = option == name && i + 1 < options.size();
+    if (!is_split && !option.starts_with(name + "=")) continue;
+    aovs = (is_split ? options[i + 1] : option.substr(name.size() + 1)) + "," + aovs;
+    const auto at = options.begin() + static_cast<std::ptrdiff_t>(i);
+    options.erase(at, at + (is_split ? 2 : 1));
+    break;
+  }
+  options.insert(options.end(), {"--aov", aovs});
+  // OIDN expects pixels whose noise is independent
+  const auto is_filter_mode = [](const std::string& option) { return option.starts_with("--filter-mode"); };
+  if (denoiser == "oidn" && std::none_of(options.begin(), options.end(), is_filter_mode))
+    options.insert(options.end(), {"--filter-mode", "importance"});
+}
 
 /// Crop windows "x0,y0,x1,y1" of strips of rows. Throws Error (exit code 2) if there are fewer rows than parts.
 std::vector<std::string> strips(const PixelRect& crop, int parts) {
@@ -64,10 +96,8 @@ void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
   };
   if (is_given("float")) farm.merge_options.emplace_back("--float");
-  for (const auto& [name, value] : plan.output_options) {
-    farm.merge_options.push_back("--" + name);
-    farm.merge_options.push_back(value);
-  }
+  std::vector<std::string>& writing = farm.denoiser.empty() ? farm.merge_options : farm.denoise_options;
+  for (const auto& [name, value] : plan.output_options) writing.insert(writing.end(), {"--" + name, value});
   // Split the frame into strips of rows
   if (arguments.tiles) {
     if (is_given("crop")) throw Error(ExitCode::kUsage, "--crop and --tiles exclude each other");
@@ -118,11 +148,22 @@ Farm plan_farm(const FarmArguments& arguments) {
   Farm farm;
   farm.has_frames = !arguments.frames.empty();
   if (farm.has_frames) farm.frames = parse_frames(arguments.frames);
+  farm.options = arguments.options;
+  farm.denoiser = arguments.denoiser;
+  if (!farm.denoiser.empty()) {
+    choose_denoiser(farm.denoiser);
+    request_layers(farm.denoiser, farm.options);
+  }
   std::vector<std::string> words{arguments.scene};
-  words.insert(words.end(), arguments.options.begin(), arguments.options.end());
+  words.insert(words.end(), farm.options.begin(), farm.options.end());
   if (farm.has_frames) {
-    words.emplace_back("--define");
-    words.push_back(fmt::format("frame={}", farm.frames.first));
+    check_has_frames(arguments.scene);
+    if (reads_as_gltf(arguments.scene)) {
+      farm.frame_rate = arguments.fps.value_or(kDefaultFrameRate);
+      words.insert(words.end(), {"--time", std::to_string(farm.frames.first / *farm.frame_rate)});
+    } else {
+      words.insert(words.end(), {"--define", fmt::format("frame={}", farm.frames.first)});
+    }
   }
   const RenderPlan plan = plan_render(words);
   for (const auto& [name, why] : kUnsupportedOptions)
@@ -134,7 +175,6 @@ Farm plan_farm(const FarmArguments& arguments) {
   farm.scene = fs::absolute(arguments.scene).string();
   const std::string stem = fs::path(arguments.scene).stem().string();
   farm.folder = fs::absolute(arguments.folder.empty() ? fs::path(stem + "_farm") : fs::path(arguments.folder)).string();
-  farm.options = arguments.options;
   split(arguments, plan, farm);
   // Choose the outputs and the options of sbatch.
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
@@ -148,6 +188,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   }
   farm.sbatch_merge_options = farm.sbatch_options = sbatch_options(arguments);
   farm.sbatch_options.push_back(fmt::format("--cpus-per-task={}", arguments.cpus));
+  if (!farm.denoiser.empty()) farm.sbatch_merge_options.push_back(farm.sbatch_options.back());
   farm.sbatch_options.push_back(fmt::format("--signal=B:TERM@{}", arguments.grace));
   if (!arguments.time.empty()) farm.sbatch_options.push_back("--time=" + arguments.time);
   return farm;
@@ -190,7 +231,8 @@ void add_farm_command(Command& program, int& exit_code) {
                           "Render images in parts on a Slurm cluster: writes a job array per frame and a job that "
                           "merges its parts. Options of 'sheaf render' follow after --. See docs/farm.md.");
   command.add_option("scene", arguments->scene, "Scene file, on storage shared by all nodes").required().file();
-  command.add_arguments("options", arguments->options, "Options of 'sheaf render' for all parts, after --");
+  command.add_arguments("options", arguments->options,
+                        "Options of 'sheaf render' for all parts, after --. " + unsupported_options());
   command
       .add_option("--parts", arguments->parts,
                   "Number of parts per image: sample ranges, or strips of rows with --tiles")
@@ -199,8 +241,18 @@ void add_farm_command(Command& program, int& exit_code) {
   command
       .add_option("--frames", arguments->frames,
                   "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: each frame K is rendered with -D "
-                  "frame=K. Default: one image without -D")
+                  "frame=K, or a glTF file at its time (--fps). Default: one image without -D")
       .placeholder("FIRST:LAST:STEP");
+  command
+      .add_option("--fps", arguments->fps,
+                  "With --frames for a glTF file: frames per second. Frame K shows the time K / fps. Default: 24")
+      .positive();
+  command
+      .add_option("--denoise", arguments->denoiser,
+                  "Denoise each merged image with nlm (non-local means) or oidn (Open Image Denoise, if installed). "
+                  "auto, or no value: oidn if it is installed here, else nlm")
+      .one_of({"auto", "nlm", "oidn"})
+      .implies("auto");
   command
       .add_option(
           "-o,--output", arguments->outputs,

@@ -36,7 +36,13 @@ std::string render_script(const Farm& farm) {
   text += fmt::format("cd -- {} || exit 1\n", shell_quoted(farm.working_folder));
   text += shell_variable("scene", farm.scene) + shell_array("options", farm.options) +
           shell_array("values", farm.part_values);
-  if (farm.has_frames) text += "options+=(--define \"frame=$frame\")\n";
+  if (farm.frame_rate)
+    text += fmt::format("rate={:.17g}\n", double{*farm.frame_rate}) +
+            R"sh(time=$(LC_ALL=C awk "BEGIN { printf \"%.17g\", $frame / $rate }") || exit 1
+options+=(--time "$time")
+)sh";
+  else if (farm.has_frames)
+    text += "options+=(--define \"frame=$frame\")\n";
   text += fmt::format("max_restarts={}\n", farm.max_restarts);
   // Render, and requeue the job if the render was stopped
   text += "options+=(" + farm.part_option + R"sh( "${values[part]}" --threads "${SLURM_CPUS_PER_TASK:-1}")
@@ -74,16 +80,25 @@ std::string merge_script(const Farm& farm) {
   text += fmt::format("cd -- {} || exit 1\n", shell_quoted(farm.working_folder));
   text += fmt::format("files=()\nfor ((part = 0; part < {}; ++part)); do files+=(\"$parts/$part.exr\"); done\n",
                       farm.part_values.size());
-  text += shell_array("options", farm.merge_options);
+  text += shell_array("options", farm.merge_options) + "outputs=()\n";
   for (const FrameName& output : farm.outputs) {
-    text += "options+=(--output " + shell_quoted(output.texts.front());
+    text += "outputs+=(--output " + shell_quoted(output.texts.front());
     for (std::size_t i = 0; i < output.digits.size(); ++i)
       text += fmt::format("\"$(printf %0{}d \"$frame\")\"", output.digits[i]) + shell_quoted(output.texts[i + 1]);
     text += ")\n";
   }
   // Keep the checkpoints until the parts are merged: a restarted part then finishes immediately.
-  text += "\"$sheaf\" merge \"${options[@]}\" -- \"${files[@]}\" || exit\nrm -f -- \"$parts\"/*.state\n";
-  return text;
+  if (farm.denoiser.empty())
+    return text + R"sh("$sheaf" merge "${options[@]}" "${outputs[@]}" -- "${files[@]}" || exit
+rm -f -- "$parts"/*.state
+)sh";
+  text += shell_variable("denoiser", farm.denoiser) + shell_array("denoise_options", farm.denoise_options);
+  return text + R"sh(merged=$parts/merged.exr
+"$sheaf" merge "${options[@]}" --output "$merged" -- "${files[@]}" || exit
+denoise_options+=(--method "$denoiser" --threads "${SLURM_CPUS_PER_TASK:-1}")
+"$sheaf" denoise "$merged" "${denoise_options[@]}" "${outputs[@]}" || exit
+rm -f -- "$merged" "$parts"/*.state
+)sh";
 }
 
 std::string submit_script(const Farm& farm, const std::string& render, const std::string& merge) {

@@ -3,6 +3,7 @@
 
 #include "tools/farm/frame_names.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,10 @@ struct Farm {
   std::vector<FrameName> outputs;  ///< images to write
   bool has_frames = false;         ///< false: a single image
   FrameRange frames;
+  /// A glTF file is rendered at frame / frame_rate seconds. Empty: other scenes, whose parameter `frame` is defined.
+  std::optional<float> frame_rate;
+  std::string denoiser;                           ///< of the merged image; empty: it is not denoised
+  std::vector<std::string> denoise_options;       ///< of `sheaf denoise`
   std::vector<std::string> sbatch_options;        ///< for the parts
   std::vector<std::string> sbatch_merge_options;  ///< for merging
   int max_restarts = 100;

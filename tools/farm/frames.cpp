@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kParameter = "frame";
-constexpr float kDefaultRate = 24;  ///< frames per second
 
 /// The options of a frame: the outputs have its number, and the scene's parameter or the time is defined.
 RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
@@ -32,7 +31,7 @@ RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
   for (std::string* file : {&one.stats, &one.checkpoint.file})
     if (!file->empty()) *file = frame_name(*file).at(frame);
   if (reads_as_gltf(one.scene)) {
-    one.read.time = static_cast<float>(frame / double(one.fps.value_or(kDefaultRate)));
+    one.read.time = static_cast<float>(frame / double(one.fps.value_or(kDefaultFrameRate)));
   } else {
     one.read.definitions.push_back(fmt::format("{}={}", kParameter, frame));
   }
@@ -75,6 +74,13 @@ void FrameRun::begin_frame(int frame) {
 
 std::string FrameRun::label() const { return fmt::format("frame {} ({} of {})", frame_, position_, count_); }
 
+void check_has_frames(const fs::path& scene) {
+  if (!reads_as_mesh(scene)) return;
+  throw Error(ExitCode::kUsage,
+              fmt::format("--frames applies to scenes and animated models ({}), not to models that do not move",
+                          scene_model_extensions()));
+}
+
 void check_frame_options(const RenderArguments& arguments) {
   if (arguments.frames.empty()) {
     if (arguments.skip_existing) throw Error(ExitCode::kUsage, "--skip-existing needs --frames");
@@ -86,10 +92,7 @@ void check_frame_options(const RenderArguments& arguments) {
                   fmt::format("-D {} and --frames exclude each other: both set the frame number", definition));
   if (reads_as_gltf(arguments.scene) && arguments.read.time)
     throw Error(ExitCode::kUsage, "--time and --frames exclude each other: both set the time");
-  if (reads_as_mesh(arguments.scene))
-    throw Error(ExitCode::kUsage,
-                fmt::format("--frames applies to scenes and animated models ({}), not to models that do not move",
-                            scene_model_extensions()));
+  check_has_frames(arguments.scene);
   if (!arguments.preview.serve.empty())
     throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
   for (const std::string& output : arguments.outputs)

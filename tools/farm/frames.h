@@ -6,6 +6,7 @@
 #include "tools/farm/frame_names.h"
 #include "tools/job/render_arguments.h"
 
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
@@ -40,6 +41,12 @@ struct FrameCalls {
   /// Renders a frame. Returns its exit code.
   std::function<int(const RenderArguments& arguments, const std::vector<GivenOption>& given, FrameRun& run)> render;
 };
+
+/// Frames per second of glTF files by default.
+inline constexpr float kDefaultFrameRate = 24;
+
+/// Throws Error (exit code 2) if --frames does not apply to the scene file: a model that does not move.
+void check_has_frames(const std::filesystem::path& scene);
 
 /// Throws Error (exit code 2) for options that exclude --frames, or need it.
 void check_frame_options(const RenderArguments& arguments);
