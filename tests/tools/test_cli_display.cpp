@@ -156,6 +156,60 @@ TEST_CASE("display: header fields have types, and vary between runs only with ti
   CHECK(read_bytes(workplace.folder / "b.exr") == read_bytes(workplace.folder / "c.exr"));
 }
 
+TEST_CASE("display: convert writes a layer under its name in --aov or in the file") {
+  const Rendered workplace;
+  const auto sheaf = [&](const std::string& arguments) { return run(workplace.folder, arguments); };
+  REQUIRE(sheaf("render scene.xml -q --no-timestamps --spp 16 --denoise nlm --light-groups "
+                "--aov normal,depth,uv,cryptomatte_object -o a.exr -o a.png")
+              .code == 0);
+  const Image all = read_exr(workplace.folder / "a.exr");
+  const auto layer = [&](const std::string& name) {
+    REQUIRE(sheaf("convert a.exr --layer " + name + " -o b.exr -o b.png").code == 0);
+    return read_exr(workplace.folder / "b.exr");
+  };
+  struct Case {
+    const char *name, *channel, *stored;
+    std::size_t channels;
+  };
+  for (const Case& each : {Case{"normal", "N.Z", "B", 3},
+                           {"depth", "Z", "Y", 1},
+                           {"uv", "uv.V", "G", 3},
+                           {"sample_count", "sampleCount", "Y", 1},
+                           {"denoised", "denoised.G", "G", 3},
+                           {"image", "A", "A", 4},
+                           {"variance.N", "variance.N.Y", "G", 3},
+                           {"CryptoObject00", "CryptoObject00.g", "G", 4}}) {
+    CAPTURE(std::string(each.name));
+    const Image image = layer(each.name);
+    REQUIRE(image.channels.size() == each.channels);
+    const int from = all.find_channel(each.channel), to = image.find_channel(each.stored);
+    REQUIRE(from >= 0);
+    REQUIRE(to >= 0);
+    float difference = 0;
+    for (int y = 0; y < all.height; ++y)
+      for (int x = 0; x < all.width; ++x)
+        difference = std::max(difference, std::abs(all.at(x, y, from) - image.at(x, y, to)));
+    CHECK(difference == 0);
+  }
+  // Displayed images
+  layer("denoised");
+  CHECK(read_image(workplace.folder / "b.png").data == read_image(workplace.folder / "a.png").data);
+  layer("image");
+  CHECK(read_image(workplace.folder / "b.png").data != read_image(workplace.folder / "a.png").data);
+  layer("normal");
+  const Image normals = read_image(workplace.folder / "b.png");
+  const int x = all.width / 2, y = all.height / 2;  // the sphere faces the camera
+  CHECK(normals.at(x, y, 2) > 0.95f);
+  CHECK(std::abs(normals.at(x, y, 0) - 0.5f) < 0.1f);
+  CHECK(normals.at(0, 0, normals.find_channel("A")) == 0);
+  // Unknown layers
+  const Outcome unknown = sheaf("convert a.exr --layer normals -o c.png");
+  CHECK(unknown.code == 2);
+  CHECK(contains(unknown.err, "--layer normals: the image has no such layer, did you mean 'normal'? (layers: image, "));
+  CHECK(contains(unknown.err, "denoised"));
+  CHECK_FALSE(std::filesystem::exists(workplace.folder / "c.png"));
+}
+
 TEST_CASE("display: a finished render continues with more samples to the same bytes") {
   const Rendered workplace;
   const auto render = [&](const std::string& options) {

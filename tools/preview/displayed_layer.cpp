@@ -10,11 +10,11 @@ namespace sheaf {
 
 namespace {
 
-/// The channels of a layer, its single channel three times; -1 if it is absent.
+/// The channels of a layer, its single channel three times; -1 if they are absent.
 std::array<int, 3> channels_of(const Image& image, const AovEntry& entry) {
   std::array<int, 3> channels{-1, -1, -1};
   for (std::size_t c = 0; c < 3; ++c)
-    channels[c] = image.find_channel(entry.channels[c].empty() ? entry.channels[0] : entry.channels[c]);
+    channels[c] = image.find_channel(entry.channels[entry.channels[1].empty() ? 0 : c]);
   return channels;
 }
 
@@ -70,20 +70,22 @@ std::vector<std::string_view> shown_layers(const Image& image) {
 }
 
 Image displayed_layer(const Image& image, std::string_view layer) {
-  const auto* const shown = std::find_if(std::begin(kShownLayers), std::end(kShownLayers),
-                                         [&](Aov aov) { return entry_of(aov).name == layer; });
-  if (shown == std::end(kShownLayers)) return {};
-  const std::array<int, 3> from = channels_of(image, entry_of(*shown));
+  const auto* const entry =
+      std::find_if(kAovList.begin(), kAovList.end(), [&](const AovEntry& aov) { return aov.name == layer; });
+  if (entry == kAovList.end()) return {};
+  const std::array<int, 3> from = channels_of(image, *entry);
   if (from[0] < 0) return {};
-  const int depth = image.find_channel(entry_of(aov_named("depth")).channels[0]);
-  const bool is_normal = *shown == aov_named("normal"), is_depth = *shown == aov_named("depth");
+  const bool is_of_surfaces = entry->source == AovSource::kVertex;
+  const int depth = is_of_surfaces ? image.find_channel(entry_of(aov_named("depth")).channels[0]) : -1;
+  const bool is_normal = entry->aov == aov_named("normal") || entry->aov == aov_named("geometric_normal"),
+             is_depth = entry->aov == aov_named("depth");
   const DepthRange range = is_depth ? DepthRange(image, from[0]) : DepthRange(Image(), 0);
   Image out(image.width, image.height, {"R", "G", "B", "A"});
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
     const float* const pixel = &image.data[i * image.channels.size()];
     const bool is_covered = depth < 0 || pixel[depth] > 0;
     const auto color = [&](std::size_t c) {
-      const float value = pixel[from[c]];
+      const float value = from[c] >= 0 ? pixel[from[c]] : 0.0f;
       if (is_depth) return range.brightness(value);
       return is_normal ? 0.5f + 0.5f * value : value;
     };
