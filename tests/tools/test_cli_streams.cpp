@@ -135,6 +135,31 @@ TEST_CASE("streams: an image is not written twice, to a terminal or to a full de
   CHECK(contains(typed.out, "-o - would write an image to the terminal"));
 }
 
+TEST_CASE("streams: --stats - prints the statistics") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  const Outcome one = shell(folder, "$SHEAF render scene.xml -q --spp 1 -o a.exr --stats -");
+  CHECK(one.code == 0);
+  CHECK(nlohmann::json::parse(one.out)["spp"] == 1);
+  CHECK_FALSE(std::filesystem::exists(folder / "-"));
+  const Outcome full = shell(folder, "$SHEAF render scene.xml -q --spp 1 -o a.exr --stats - >/dev/full");
+  CHECK(full.code == 4);
+  CHECK(contains(full.err, "cannot write to the standard output: No space left on device"));
+  const Outcome both = shell(folder, "$SHEAF render scene.xml -q --spp 1 -o - --stats -");
+  CHECK(both.code == 2);
+  CHECK(contains(both.err, "-o - and --stats - exclude each other"));
+}
+
+TEST_CASE("streams: output that nobody reads causes no message") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  for (const char* const command : {"--help", "info scene.xml", "completion bash", "render scene.xml -q --spp 1 -o -",
+                                    "render scene.xml -q --spp 1 -o a.exr --stats -"}) {
+    CAPTURE(std::string(command));
+    CHECK(shell(folder, "$SHEAF " + std::string(command) + " | true").err.empty());
+  }
+}
+
 TEST_CASE("streams: info prints JSON of scenes and images") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

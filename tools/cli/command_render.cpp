@@ -42,7 +42,7 @@ std::vector<NamedFile> check_outputs(const RenderArguments& arguments, bool has_
   std::vector<std::string> images = arguments.outputs;
   if (images.empty() && has_default) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
   std::vector<NamedFile> outputs = named_images(images);
-  if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
+  if (!arguments.stats.empty() && arguments.stats != "-") outputs.push_back({"--stats", arguments.stats});
   if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
   const NamedFile scene{"the scene", arguments.scene};
   check_overwriting(outputs, {&scene, 1});
@@ -198,6 +198,7 @@ WrittenImage write_result(const RenderJob& job, const std::vector<fs::path>& fil
 bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   report.peak_rss_bytes = peak_rss_bytes();
   report.peak_private_bytes = peak_private_bytes();
+  if (arguments.stats == "-") return std::fputs(to_json(report).c_str(), stdout) >= 0;
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
@@ -353,6 +354,9 @@ void add_render_command(Command& program, int& exit_code) {
     check_frame_options(*arguments);
     choose_denoiser(arguments->denoiser);
     StandardStreams streams;
+    const std::vector<std::string>& outputs = arguments->outputs;
+    if (arguments->stats == "-" && std::find(outputs.begin(), outputs.end(), "-") != outputs.end())
+      throw Error(ExitCode::kUsage, "-o - and --stats - exclude each other: both write to the standard output");
     streams.open_output(arguments->outputs, arguments->output_format);
     arguments->scene = streams.read_scene(arguments->scene);
     arguments->read.from_working_folder = streams.has_scene();

@@ -28,11 +28,19 @@ void fill_closed_streams() {
     if (fcntl(stream, F_GETFD) == -1) static_cast<void>(open("/dev/null", O_RDONLY));
 }
 
-/// Flushes standard output. Returns the exit code; if writing failed and it was 0, prints the error and returns 4.
+/// Makes the standard output wait for finish_output(), which knows the cause if writing fails. Longer outputs than the
+/// buffer are written earlier.
+void buffer_output() {
+  static char buffer[1 << 18];
+  std::setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
+}
+
+/// Flushes standard output. Returns the exit code; if writing failed and it was 0, returns 4. Prints the error unless
+/// an unwritable output has been reported.
 int finish_output(int exit_code) {
   errno = 0;
   const bool written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  if (written) return exit_code;
+  if (written || exit_code == static_cast<int>(ExitCode::kOutput)) return exit_code;
   print_message(std::string("cannot write to the standard output") +
                 (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
   return exit_code != 0 ? exit_code : static_cast<int>(ExitCode::kOutput);
@@ -81,5 +89,6 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit becomes a write error, like a full disk
   sheaf::fill_closed_streams();
+  sheaf::buffer_output();
   return sheaf::finish_output(sheaf::run(argc, argv));
 }

@@ -29,7 +29,7 @@ RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
   if (one.outputs.empty()) one.outputs.push_back(fs::path(one.scene).stem().string() + ".exr");
   for (std::string& output : one.outputs) output = frame_name(output).at(frame);
   for (std::string* file : {&one.stats, &one.checkpoint.file})
-    if (!file->empty()) *file = frame_name(*file).at(frame);
+    if (!file->empty() && *file != "-") *file = frame_name(*file).at(frame);
   if (reads_as_gltf(one.scene)) {
     one.read.time = static_cast<float>(frame / double(one.fps.value_or(kDefaultFrameRate)));
   } else {

@@ -347,7 +347,9 @@ struct RunArguments {
         .add_flag("--skip-existing", skip_existing,
                   "With --frames: skip frames whose images all exist, except images of interrupted renders")
         .only_for_run();
-    command.add_option("--stats", stats, "Write times and counters to this JSON file").file().only_for_run();
+    command.add_option("--stats", stats, "Write times and counters to this JSON file; - writes to the standard output")
+        .file()
+        .only_for_run();
     command.begin_group(kAdvancedOptions);
     command
         .add_option(
