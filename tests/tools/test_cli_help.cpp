@@ -96,6 +96,20 @@ TEST_CASE("help: the command prints the same as the option, and --version works 
   CHECK(contains(unknown.err, "paint not in {render,"));
 }
 
+TEST_CASE("help: watch lists what it takes, and the gestures of its page") {
+  const TemporaryFolder folder;
+  const std::string help = run(folder, "help watch").out;
+  for (const char* const absent : {"--frames", "--skip-existing", "--checkpoint", "--resume", "--format", "--fps"}) {
+    CAPTURE(std::string(absent));
+    CHECK_FALSE(contains(help, absent));
+  }
+  for (const char* const present : {"--spp", "--serve", "--denoise", "orbit", "pan", "wheel", "Alt", "R returns"}) {
+    CAPTURE(std::string(present));
+    CHECK(contains(help, present));
+  }
+  CHECK(contains(run(folder, "watch scene.xml --frames 1:2").err, "--frames and --skip-existing are not supported"));
+}
+
 TEST_CASE("help: JSON describes the values of options") {
   const TemporaryFolder folder;
   const nlohmann::json program = description(folder);

@@ -4,7 +4,10 @@
 #include "tools/cli/render_scene.h"
 #include "tools/console/interrupt.h"
 #include "tools/job/apply_arguments.h"
+#include "tools/job/image_files.h"
 #include "tools/preview/file_watcher.h"
+
+#include <fmt/format.h>
 
 #include <filesystem>
 #include <memory>
@@ -42,7 +45,7 @@ int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& give
   if (!arguments.frames.empty() || arguments.skip_existing)
     throw Error(ExitCode::kUsage,
                 "--frames and --skip-existing are not supported by 'sheaf watch': choose a frame by "
-                "-D frame=N");
+                "-D frame=N, or the moment of a model by --time");
   if (arguments.preview.serve.empty() && arguments.preview.tev.empty()) arguments.preview.serve = kDefaultPort;
   const std::filesystem::path scene = arguments.scene;
   CameraControl camera(InterruptGuard::request_stop);
@@ -84,7 +87,15 @@ void add_watch_command(Command& program, int& exit_code) {
       program, *arguments, "watch",
       "Render a scene with a preview, and again whenever one of its files changes or the camera is moved on the page. "
       "Serves the preview at port 8080 unless --serve or --tev is given. Writes images only with --output, and none of "
-      "a moved camera.");
+      "a moved camera. On the page, drag to orbit, shift-drag to pan, and turn the wheel to dolly; with fingers: one "
+      "orbits, two pan and pinch to dolly. A double click turns to the point under the pointer, with Alt it focuses "
+      "there. R returns to the camera of the file. A click shows object, material, position and radiance; Escape "
+      "hides them. Exposure, tone map and layer are chosen below the image, and the button 'camera' copies the "
+      "look_at. Ctrl-C in the terminal ends the command. See docs/preview.md.");
+  command.set_help("scene", "Scene file or model");
+  command.set_help(
+      "--output", fmt::format("Image to write when a render ends: {}; may be repeated. Default: none", kOutputFormats));
+  command.hide({"--format", "--frames", "--fps", "--skip-existing", "--checkpoint", "--checkpoint-every", "--resume"});
   command.on_call([arguments, command, &exit_code] {
     set_verbosity(arguments->verbosity.verbosity());
     choose_denoiser(arguments->denoiser);

@@ -41,6 +41,7 @@ struct CommandHelp {
   std::string name, text;
   std::string footer = {};  ///< of the help
   std::list<OptionHelp> options = {};
+  std::list<OptionHelp> hidden_options = {};  ///< accepted, but not in the help
   std::list<CommandHelp> commands = {};
   std::vector<std::string> groups = {};  ///< titles of the groups of options, in the order of the help
   std::string group = {};                ///< of the options that are declared next

@@ -311,6 +311,20 @@ Option Command::add_counter(const std::string& names, int& value, const std::str
   return describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help).repeated();
 }
 
+void Command::set_help(const std::string& name, const std::string& text) {
+  for (OptionHelp& option : help_->options)
+    if (option.names.back() == name) option.text = text;
+}
+
+void Command::hide(const std::vector<std::string>& names) {
+  std::list<OptionHelp>& options = help_->options;
+  for (auto option = options.begin(); option != options.end();) {
+    const auto each = option++;
+    if (std::find(names.begin(), names.end(), each->names.back()) != names.end())
+      help_->hidden_options.splice(help_->hidden_options.end(), options, each);  // checks of values refer to it
+  }
+}
+
 Command Command::add_command(const std::string& name, const std::string& help) {
   return Command(*command_->add_subcommand(name, help), help_->commands.emplace_back(CommandHelp{name, help}));
 }

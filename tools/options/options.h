@@ -86,6 +86,10 @@ class Command {
   Option add_flag(const std::string& names, bool& value, const std::string& help);
   /// Adds an option without a value, which may be repeated and sets `value` to how often it is given.
   Option add_counter(const std::string& names, int& value, const std::string& help);
+  /// Replaces the help of an option or argument, by its longest name.
+  void set_help(const std::string& name, const std::string& text);
+  /// Leaves options out of the help and of what derives from it. They are still accepted.
+  void hide(const std::vector<std::string>& names);
   /// Adds a subcommand.
   Command add_command(const std::string& name, const std::string& help);
   /// The names of the subcommands so far.
