@@ -86,7 +86,8 @@ void add_read_options(Command& command, ReadArguments& arguments) {
   command
       .add_option("--shutter", arguments.shutter,
                   "Times at which the shutter opens and closes, instead of the scene's; relative to --time for models. "
-                  "RAMP, 0 to 0.5: part of the interval in which it opens, and again closes. Default: 0")
+                  "RAMP, 0 to 0.5: part of the interval in which it opens, and again closes; 0 if absent. Default: the "
+                  "scene's")
       .placeholder("OPEN:CLOSE[:RAMP]");
 }
 
