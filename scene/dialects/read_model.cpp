@@ -1,4 +1,4 @@
-// Scenes around a single model: its materials, a floor, a sky and a camera.
+// Scenes around a single model: its materials, surroundings and a camera.
 #include "scene/dialects/read_model.h"
 
 #include "scene/dialects/gltf/read_gltf.h"
@@ -70,6 +70,13 @@ void load_model(ShapeDescription& shape, const MeshFileShape& from, Description&
 
 }  // namespace
 
+bool has_studio(const Description& description) {
+  if (find_model_format(description.file) == nullptr) return false;
+  const auto is_added = [](const auto& object) { return object.id.starts_with(kStudioPrefix); };
+  return std::any_of(description.shapes.begin(), description.shapes.end(), is_added) ||
+         std::any_of(description.lights.begin(), description.lights.end(), is_added);
+}
+
 bool reads_as_gltf(const std::filesystem::path& file) {
   const ModelFormat* const format = find_model_format(file);
   return format != nullptr && format->read == nullptr;
@@ -103,13 +110,11 @@ Description read_model(const std::filesystem::path& file, const ModelView& view,
       load_model(part, MeshFileShape(*from), description);
   const std::array<Vec3d, 2> box = read_bounds(description, errors);
   if (contents != nullptr) *contents = {false, {}, {}, box};
-  frame_box(box, view, description);
-  // Add default materials, floor and light
+  // Add default materials, surroundings and a camera
   const MaterialId gray = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
   for (ShapeDescription& part : description.shapes)
     if (!part.material) part.material = gray;
-  if (surroundings.floor) add_floor(box, view, description);
-  add_sky(box, view, surroundings, description);
+  add_studio(box, view, surroundings, description);
   set_model_defaults(description);
   return description;
 }
@@ -133,9 +138,13 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
     description.notes.push_back(nothing.what());
   }
   if (options.contents != nullptr) *options.contents = contents;
+  if (!contents.has_camera && !contents.has_lights) {
+    add_studio(box, options.view, options.surroundings, description);
+    return description;
+  }
+  if (options.surroundings.studio)
+    description.notes.push_back(file.string() + ": has a camera or lights of its own (--studio ignored)");
   if (!contents.has_camera) frame_box(box, options.view, description);
-  if (!contents.has_camera && !contents.has_lights && options.surroundings.floor)
-    add_floor(box, options.view, description);
   if (!contents.has_lights || !options.surroundings.environment.empty())
     add_sky(box, options.view, options.surroundings, description);
   return description;

@@ -46,7 +46,7 @@ std::span<const SceneDialect> scene_dialects();
 
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba
 /// 0.6 to 3 (`sensor`, `version`), chosen by content. Files of the formats of scene/formats/model_formats.h are models:
-/// glTF and imported ones may be a whole scene, meshes are placed on a floor under a sky. Mesh files are located but
+/// glTF and imported ones may be a whole scene, meshes are placed in a studio. Mesh files are located but
 /// not loaded, except for models and for OBJ files whose materials are used (scene/dialects/model/obj_materials.h).
 /// Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});

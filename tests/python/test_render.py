@@ -163,6 +163,34 @@ class Results(unittest.TestCase):
             sheaf.merge([whole])
 
 
+class Models(unittest.TestCase):
+    """Models without cameras and lights."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.file = Path(cls.folder.name) / "model.obj"
+        cls.file.write_text("v 0 0 0\nv 4 0 0\nv 4 1 0\nv 0 1 0\nf 1 2 3 4\n", encoding="utf-8")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_framing_follows_the_size(self):
+        scene = sheaf.load(self.file, view=(0, 0))
+        for size in ((96, 32), (32, 32), (96, 32)):
+            result = sheaf.render(scene, spp=16, size=size, aov="albedo")
+            model = np.abs(result["albedo"][..., 0] - 0.6) < 0.02
+            columns = np.flatnonzero(model.any(axis=0))
+            self.assertAlmostEqual((columns[-1] - columns[0] + 1) / model.shape[1], 2 / 3, delta=0.08, msg=size)
+
+    def test_exposure_is_automatic(self):
+        result = sheaf.render(sheaf.load(self.file), spp=4, size=(24, 16))
+        self.assertEqual(result.png(), result.png(exposure="auto"))
+        self.assertNotEqual(result.png(), result.png(exposure=0))
+        self.assertEqual(pickle.loads(pickle.dumps(result)).png(), result.png())
+
+
 class Running(unittest.TestCase):
     """Long renders, which end early."""
 

@@ -253,4 +253,19 @@ TEST_CASE("farm: invalid requests are usage errors and write nothing") {
   CHECK(contains(error("--parts 2 -o x.webp"), ".exr, .png, .jpg"));
 }
 
+TEST_CASE("farm: merged images of models have an automatic exposure unless one is given") {
+  const FarmFolder farm;
+  write_bytes(farm.here / "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto scripts = [&](const std::string& options) {
+    REQUIRE(farm.sheaf("farm model.obj --folder jobs -o a.png --parts 2 -- --spp 8 " + options).code == 0);
+    std::string text;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(farm.here / "jobs"))
+      if (entry.is_regular_file()) text += read_bytes(entry.path());
+    std::filesystem::remove_all(farm.here / "jobs");
+    return text;
+  };
+  CHECK(contains(scripts(""), "'--exposure' 'auto'"));
+  CHECK_FALSE(contains(scripts("--exposure 1"), "'--exposure' 'auto'"));
+}
+
 }  // namespace sheaf::test_cli_farm

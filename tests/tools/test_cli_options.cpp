@@ -348,6 +348,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"fov", ""},
                                                                    {"env", ""},
                                                                    {"no-floor", ""},
+                                                                   {"studio", ""},
                                                                    {"camera", ""},
                                                                    {"time", ""},
                                                                    {"animation", ""},
@@ -430,7 +431,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     CAPTURE_BINDING(name);
     known.insert(name);
     // Options that need others or do not apply to scenes.
-    const std::set<std::string> elsewhere = {"spp",    "view", "up",        "fov",    "env", "no-floor",
+    const std::set<std::string> elsewhere = {"spp",    "view", "up",        "fov",    "env", "no-floor",     "studio",
                                              "camera", "time", "animation", "frames", "fps", "skip-existing"};
     if (elsewhere.contains(name)) continue;
     const std::string also = name == "spectral-bins" ? " --color spectral" : "";

@@ -3,6 +3,7 @@
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
+#include "tools/job/read_options.h"
 
 #include <doctest/doctest.h>
 
@@ -166,8 +167,9 @@ TEST_CASE("a model file is rendered without a scene") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   write_bytes(folder / "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-  REQUIRE(run(folder, "render model.obj --size 32x24 --spp 4 --view 40,10 --up z --fov 50 --quiet -o out.exr").code ==
-          0);
+  REQUIRE(
+      run(folder, "render model.obj --studio sun --size 32x24 --spp 4 --view 40,10 --up z --fov 50 --quiet -o out.exr")
+          .code == 0);
   const Image image = read_exr(folder / "out.exr");
   // The floor and the sky above it.
   CHECK(image.at(16, 23, image.find_channel("R")) > 0.1f);
@@ -176,6 +178,56 @@ TEST_CASE("a model file is rendered without a scene") {
   const Outcome scene = run(folder, "render scene.xml --view 40,10");
   CHECK(scene.code == 2);
   CHECK(contains(scene.err, "apply to models"));
+}
+
+TEST_CASE("the studio of a model is chosen by --studio, and applies to models only") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  write_bytes(folder / "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const auto shapes = [&](const std::string& options) {
+    const std::string text = run(folder, "info model.obj " + options).out;
+    return text.substr(text.find("shapes "), 32);
+  };
+  CHECK(contains(shapes(""), "5 (110 triangles"));
+  CHECK(shapes("--studio soft") == shapes(""));
+  CHECK(contains(shapes("--studio sun"), "2 (4 triangles"));
+  CHECK(contains(shapes("--studio none"), "1 (4 triangles"));
+  CHECK(shapes("--no-floor") == shapes("--studio none"));
+  ReadArguments watched;
+  watched.turns_camera = true;
+  CHECK(read_options("model.obj", watched).surroundings.chosen_studio() == Studio::kSun);
+  watched.studio = "soft";
+  CHECK(read_options("model.obj", watched).surroundings.chosen_studio() == Studio::kSoft);
+  for (const auto& [arguments, message] :
+       {std::pair{"scene.xml --studio soft", "--env, --no-floor and --studio apply to models, not to scenes"},
+        {"model.obj --studio loft", "--studio: loft not in {none,soft,sun}"},
+        {"model.obj --studio soft --no-floor", "--studio soft has its own lights and backdrop and excludes --no-floor"},
+        {"model.obj --studio soft --env none", "excludes --env (expected sun or none)"}}) {
+    const Outcome outcome = run(folder, std::string("render -o a.png ") + arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, message));
+  }
+}
+
+TEST_CASE("models without cameras and lights have an automatic exposure by default") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "scene.xml", kScene);
+  write_bytes(folder / "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto render = [&](const std::string& scene, const std::string& name, const std::string& options) {
+    const Outcome outcome = run(folder, "render " + scene + " --size 32x24 --spp 4 --no-timestamps " + options +
+                                            " -o " + name + ".exr -o " + name + ".png");
+    REQUIRE(outcome.code == 0);
+    return contains(outcome.err, "(exposure ");
+  };
+  CHECK(render("model.obj", "a", ""));
+  CHECK(render("model.obj", "b", "--exposure auto"));
+  CHECK_FALSE(render("model.obj", "c", "--exposure 0"));
+  CHECK(render("model.obj", "d", "--studio sun"));
+  CHECK_FALSE(render("scene.xml", "e", ""));
+  CHECK(read_bytes(folder / "a.png") == read_bytes(folder / "b.png"));
+  CHECK(read_bytes(folder / "a.png") != read_bytes(folder / "c.png"));
+  CHECK(read_bytes(folder / "a.exr") == read_bytes(folder / "c.exr"));
 }
 
 }  // namespace sheaf::test_cli_render

@@ -5,6 +5,7 @@
 #include "core/io/output_file.h"
 #include "kernels/render/render.h"
 #include "scene/compile/move_camera.h"
+#include "scene/dialects/read_model.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/render_scene.h"
@@ -312,7 +313,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
-  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  job.description = read_scene(arguments.scene, read_options(arguments));
+  if (has_studio(job.description)) set_model_defaults(arguments.output, job.output);
+  preview.set_display(job.output.display);
   prepare(arguments, job);
   if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);

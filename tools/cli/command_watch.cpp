@@ -47,6 +47,7 @@ int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& give
                 "--frames and --skip-existing are not supported by 'sheaf watch': choose a frame by "
                 "-D frame=N, or the moment of a model by --time");
   if (arguments.preview.serve.empty() && arguments.preview.tev.empty()) arguments.preview.serve = kDefaultPort;
+  arguments.read.turns_camera = true;
   const std::filesystem::path scene = arguments.scene;
   CameraControl camera(InterruptGuard::request_stop);
   Preview preview(arguments.preview, arguments.scene, scene.stem().string() + ".exr",

@@ -1,6 +1,7 @@
 #include "tools/farm/render_plan.h"
 
 #include "core/io/error.h"
+#include "scene/dialects/read_model.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/job/render_job.h"
 
@@ -28,7 +29,9 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   program.parse(line);
   // Read the scene and apply the options
   LoadedScene loaded;
-  loaded.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  loaded.description = read_scene(arguments.scene, read_options(arguments));
+  if (has_studio(loaded.description) && arguments.output.exposure.empty())
+    plan.output_options.emplace_back("exposure", "auto");
   prepare(arguments, loaded);
   plan.settings = loaded.settings;
   return plan;

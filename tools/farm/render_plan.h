@@ -11,7 +11,7 @@ namespace sheaf {
 
 struct RenderPlan {
   std::vector<std::string> given;  ///< names of the options given, without dashes
-  /// The options of output_options.h that are given, with their values.
+  /// The options of output_options.h that are given or have defaults that depend on the scene, with their values.
   std::vector<std::pair<std::string, std::string>> output_options;
   RenderSettings settings;
 };

@@ -161,6 +161,15 @@ void choose_denoiser(std::string& denoiser) {
   if (!denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", denoiser));
 }
 
+ReadOptions read_options(const RenderArguments& arguments) {
+  ReadOptions options = read_options(arguments.scene, arguments.read);
+  if (!arguments.size.empty()) {
+    const auto [width, height] = parse_size(arguments.size);
+    options.view.aspect_ratio = static_cast<double>(width) / height;
+  }
+  return options;
+}
+
 RenderSettings resolve_settings(const RenderArguments& arguments, const Description& scene, SettingsRemarks& remarks) {
   SceneSettings settings = scene;
   apply_transport(arguments, settings.integrator);

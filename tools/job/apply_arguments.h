@@ -17,6 +17,10 @@ struct SettingsRemarks {
 /// be used.
 void choose_denoiser(std::string& denoiser);
 
+/// Converts the options for reading the scene; see read_options.h. Bare models are framed for an image of the requested
+/// size. Throws Error (exit code 2).
+ReadOptions read_options(const RenderArguments& arguments);
+
 /// The settings of a render of the scene. Throws Error (exit code 2) for options that are malformed, out of range, or
 /// not possible for the scene.
 RenderSettings resolve_settings(const RenderArguments& arguments, const Description& scene, SettingsRemarks& remarks);

@@ -36,6 +36,7 @@ std::optional<double> number_in(std::string_view text) {
 }
 
 std::optional<double> parse_exposure(const std::string& text) {
+  if (text.empty()) return 0;
   if (text == "auto") return std::nullopt;
   const std::optional<double> stops = number_in(text);
   if (!stops || std::abs(*stops) > kMaxExposure)
@@ -77,9 +78,11 @@ std::shared_ptr<const ColorProcessor> open_view(const OutputArguments& arguments
 
 void add_output_options(Command& command, OutputArguments& arguments) {
   command
-      .add_option("--exposure", arguments.exposure,
-                  "Exposure of .png, .jpg and .tif files and previews, in stops, or auto: the log-average luminance "
-                  "becomes middle gray. .exr files are not affected. Default: 0")
+      .add_option(
+          "--exposure", arguments.exposure,
+          "Exposure of .png, .jpg and .tif files and previews, in stops, or auto: the log-average luminance "
+          "becomes middle gray. .exr files are not affected. Default: auto for renders of models without cameras "
+          "and lights, else 0")
       .only_for_run();
   command
       .add_option("--tone-map", arguments.tone_map,
@@ -121,6 +124,13 @@ OutputSettings output_settings(const OutputArguments& arguments) {
   display.display_view = open_view(arguments);
   settings.display = DisplayTransform(std::move(display));
   return settings;
+}
+
+void set_model_defaults(const OutputArguments& arguments, OutputSettings& settings) {
+  if (!arguments.exposure.empty()) return;
+  DisplaySettings display = settings.display.settings();
+  display.exposure.reset();
+  settings.display = DisplayTransform(std::move(display));
 }
 
 std::string exposure_text(double stops) { return fmt::format("{:+.2f} stops", stops); }

@@ -11,7 +11,7 @@ namespace sheaf {
 
 /// The options as given.
 struct OutputArguments {
-  std::string exposure = "0", tone_map = "none";
+  std::string exposure, tone_map = "none";  ///< exposure: empty for the default
   std::string ocio_config, ocio_display, ocio_view;
   std::string compression = "zip";
   int jpeg_quality = 95;
@@ -38,6 +38,9 @@ struct OutputSettings {
 /// Converts the options, and reads the OpenColorIO configuration if a view is requested. Throws Error: exit code 2 for
 /// malformed options, unreadable configurations and builds without OpenColorIO, 1 if the color library is missing.
 OutputSettings output_settings(const OutputArguments& arguments);
+
+/// Makes the exposure automatic if it is not given; the default of images of bare models.
+void set_model_defaults(const OutputArguments& arguments, OutputSettings& settings);
 
 /// "+1.25 stops".
 std::string exposure_text(double stops);

@@ -22,6 +22,11 @@ std::pair<std::string, std::string> split_definition(const std::string& definiti
   return {definition.substr(0, equals), definition.substr(equals + 1)};
 }
 
+constexpr NameTable<NoriCamera> kNoriCameras{{{"eth", NoriCamera::kEth}, {"upstream", NoriCamera::kUpstream}}};
+constexpr NameTable<ModelView::Up> kUpAxes{
+    {{"x", ModelView::Up::kX}, {"y", ModelView::Up::kY}, {"z", ModelView::Up::kZ}}};
+constexpr NameTable<Studio> kStudios{{{"none", Studio::kNone}, {"soft", Studio::kSoft}, {"sun", Studio::kSun}}};
+
 /// Throws Error for options that do not apply to a file of this kind.
 void check_model_options(const std::filesystem::path& file, const ReadArguments& arguments) {
   const bool gltf = reads_as_gltf(file), model = find_model_format(file) != nullptr;
@@ -29,8 +34,12 @@ void check_model_options(const std::filesystem::path& file, const ReadArguments&
   if (viewed && !model && !arguments.lenient)
     throw Error(ExitCode::kUsage,
                 fmt::format("--view, --up and --fov apply to models ({}), not to scenes", model_extensions()));
-  if ((!arguments.environment.empty() || arguments.no_floor) && !model)
-    throw Error(ExitCode::kUsage, "--env and --no-floor apply to models, not to scenes");
+  if ((!arguments.environment.empty() || arguments.no_floor || !arguments.studio.empty()) && !model)
+    throw Error(ExitCode::kUsage, "--env, --no-floor and --studio apply to models, not to scenes");
+  if (arguments.studio == kStudios.name_of(Studio::kSoft) && (!arguments.environment.empty() || arguments.no_floor))
+    throw Error(ExitCode::kUsage,
+                fmt::format("--studio soft has its own lights and backdrop and excludes {} (expected sun or none)",
+                            arguments.no_floor ? "--no-floor" : "--env"));
   if (!gltf && (arguments.time || !arguments.animation.empty()))
     throw Error(ExitCode::kUsage,
                 fmt::format("--time and --animation apply to animated models ({})", scene_model_extensions()));
@@ -42,10 +51,6 @@ void check_model_options(const std::filesystem::path& file, const ReadArguments&
                             scene_model_extensions()));
   if (gltf && !arguments.time) throw Error(ExitCode::kUsage, "--shutter requires --time or --frames for a model");
 }
-
-constexpr NameTable<NoriCamera> kNoriCameras{{{"eth", NoriCamera::kEth}, {"upstream", NoriCamera::kUpstream}}};
-constexpr NameTable<ModelView::Up> kUpAxes{
-    {{"x", ModelView::Up::kX}, {"y", ModelView::Up::kY}, {"z", ModelView::Up::kZ}}};
 
 }  // namespace
 
@@ -70,9 +75,17 @@ void add_read_options(Command& command, ReadArguments& arguments) {
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
   command
       .add_option("--env", arguments.environment,
-                  "Environment map for a model: an image by longitude and latitude, or none. Default: a sky with a sun")
+                  "Environment map for a model: an image by longitude and latitude, or none. Default: the lights of "
+                  "--studio, or a sky with a sun")
       .file();
-  command.add_flag("--no-floor", arguments.no_floor, "Place no floor below a model");
+  command.add_flag("--no-floor", arguments.no_floor, "Place no floor below a model: --studio none");
+  command
+      .add_option(
+          "--studio", arguments.studio,
+          "Surroundings of a model without cameras and lights: soft (a seamless backdrop, with key, fill and rim "
+          "light), sun (a floor under a sky with a sun), or none (the model under the sky and the sun). "
+          "Default: soft; sun with --env and for 'sheaf watch'")
+      .one_of(kStudios.names());
   command
       .add_option("--camera", arguments.camera,
                   "Camera of a Mitsuba scene or model with several: its name or its number, from 0. Default: the first")
@@ -108,7 +121,10 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
   }
   if (!arguments.up.empty()) view.up = kUpAxes.option("axis", arguments.up);
   if (arguments.fov) view.fov = *arguments.fov;
-  options.surroundings = {!arguments.no_floor, arguments.environment};
+  options.surroundings.floor = !arguments.no_floor;
+  options.surroundings.environment = arguments.environment;
+  if (!arguments.studio.empty()) options.surroundings.studio = kStudios.option("studio", arguments.studio);
+  if (arguments.turns_camera) options.surroundings.default_studio = Studio::kSun;
   if (arguments.time && !std::isfinite(*arguments.time))
     throw Error(ExitCode::kUsage, "--time: expected a finite number of seconds");
   options.moment = {arguments.time, arguments.animation};

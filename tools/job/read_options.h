@@ -15,6 +15,8 @@ struct ReadArguments {
   std::optional<float> fov;
   std::string environment;  ///< image file
   bool no_floor = false;
+  std::string studio;         ///< empty: the default
+  bool turns_camera = false;  ///< the camera may move behind a backdrop; default to surroundings that it can see
   std::string camera, animation;
   std::optional<float> time;         ///< seconds
   std::string shutter;               ///< OPEN:CLOSE[:RAMP]; empty: that of the scene

@@ -90,9 +90,9 @@ std::optional<DisplayTransform> display_for(std::string_view text, const Display
 LivePage::LivePage(const Endpoint& endpoint, std::string scene, DisplayTransform display, bool repeats,
                    CameraControl* camera)
     : scene_(std::move(scene)),
-      display_(std::move(display)),
       repeats_(repeats),
       camera_(camera),
+      display_(std::move(display)),
       run_(new_run()),
       denoiser_([this](int number, const Image& image) {
         const std::lock_guard lock(mutex_);
@@ -126,6 +126,11 @@ void LivePage::begin_render() {
   const std::lock_guard lock(mutex_);
   start_ = Progress::steady_seconds();
   state_ = "rendering";
+}
+
+void LivePage::set_display(const DisplayTransform& display) {
+  const std::lock_guard lock(mutex_);
+  display_ = display;
 }
 
 void LivePage::update(const RenderProgress& progress) {
@@ -318,7 +323,11 @@ std::shared_ptr<const std::string> LivePage::encoded(const std::shared_ptr<const
   constexpr std::size_t kMaxViews = 4;
   for (const EncodedView& each : encoded_)
     if (each.number == view.number && each.source == view.source && each.display == view.display) return each.png;
-  const std::optional<DisplayTransform> display = display_for(view.display, display_);
+  const auto default_display = [this] {
+    const std::lock_guard lock(mutex_);
+    return display_;
+  };
+  const std::optional<DisplayTransform> display = display_for(view.display, default_display());
   if (!display) return nullptr;
   const double start = Progress::steady_seconds();
   const bool is_layer = !view.source.empty() && view.source != kDenoised;

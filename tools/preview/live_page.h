@@ -38,6 +38,8 @@ class LivePage {
   void begin_render();
   /// Begins another render of the same scene, with a camera that moves.
   void begin_move();
+  /// Sets how browsers show the image, unless they choose another exposure or tone map.
+  void set_display(const DisplayTransform& display);
   /// Sets the progress, as RenderControl::on_progress. Cheap.
   void update(const RenderProgress& progress);
   /// Sets the state of the render: "reading", "rendering", "writing", "done" ...
@@ -85,7 +87,6 @@ class LivePage {
   bool is_watched() const;
 
   const std::string scene_;  ///< the file
-  const DisplayTransform display_;
   const bool repeats_;
   CameraControl* const camera_;  ///< null: it cannot be moved
   mutable std::mutex progress_mutex_;
@@ -97,6 +98,7 @@ class LivePage {
   std::atomic<bool> image_denoised_{false};  ///< the last image is denoised
   mutable std::mutex mutex_;                 ///< guards the members below
   std::condition_variable seen_;
+  DisplayTransform display_;
   std::string run_;  ///< an id that distinguishes this render from others at the same port
   std::string state_ = "reading", report_ = "null", errors_;
   bool state_seen_ = false;

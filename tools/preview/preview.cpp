@@ -109,6 +109,11 @@ Preview::Preview(const PreviewArguments& arguments, const std::string& scene, co
 
 Preview::~Preview() { listen_to_messages(nullptr); }
 
+void Preview::set_display(DisplayTransform display) {
+  if (page_) page_->set_display(display);
+  display_ = std::move(display);
+}
+
 void Preview::begin_scene() {
   if (page_) page_->begin_scene();
 }

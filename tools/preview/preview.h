@@ -45,6 +45,8 @@ class Preview {
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
+  /// Replaces the display.
+  void set_display(DisplayTransform display);
   /// Begins to read a scene, after another render.
   void begin_scene();
   /// Begins fast renders of the same scene with a camera that moves.

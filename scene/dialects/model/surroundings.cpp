@@ -3,6 +3,8 @@
 
 #include "core/math/frame.h"
 #include "scene/dialects/model/auto_camera.h"
+#include "scene/dialects/model/framing.h"
+#include "scene/dialects/model/studio.h"
 
 #include <algorithm>
 
@@ -82,6 +84,23 @@ void add_sky(const std::array<Vec3d, 2>& box, const ModelView& view, const Model
   sun.direction = -(up * 1.0f + front * 0.5f + left * 0.6f);
   sun.irradiance = {SpectrumDescription::Rgb{kSun}};
   description.lights.push_back({std::move(sun), {}});
+}
+
+void add_studio(const std::array<Vec3d, 2>& box, const ModelView& view, const ModelEnvironment& surroundings,
+                Description& description) {
+  const ModelFrame frame = frame_model(box, view, description);
+  const Studio studio = surroundings.chosen_studio();
+  if (studio == Studio::kSoft) return add_soft_studio(frame, description);
+  const auto named = [](const char* name) { return std::string(kStudioPrefix) + name; };
+  // From below, a floor would hide the model
+  if (studio == Studio::kSun && surroundings.floor && view.elevation >= 0) {
+    add_floor(box, view, description);
+    description.shapes.back().id = named("floor");
+  }
+  const std::size_t first = description.lights.size();
+  add_sky(box, view, surroundings, description);
+  for (std::size_t i = first; i < description.lights.size(); ++i)
+    description.lights[i].id = named(i == first ? "sky" : "sun");
 }
 
 void set_model_defaults(Description& description) {

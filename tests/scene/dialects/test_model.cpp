@@ -20,6 +20,13 @@ const char* const kTetrahedron =
     "mtllib look.mtl\nv 2 1 0\nv 4 1 0\nv 2 5 0\nv 2 1 2\n"
     "f 1 3 2\nf 1 2 4\nf 1 4 3\nusemtl red\nf 2 3 4\n";
 
+/// Options for a model on a floor under a sky.
+ReadOptions on_floor() {
+  ReadOptions options;
+  options.surroundings.studio = Studio::kSun;
+  return options;
+}
+
 Description read_model_text(const ReadOptions& options = {}) {
   const TemporaryFolder folder;
   write_below(folder, "look.mtl", "newmtl red\nKd 1 0 0\n");
@@ -29,7 +36,7 @@ Description read_model_text(const ReadOptions& options = {}) {
 }  // namespace
 
 TEST_CASE("model: a model stands on a floor and has its materials and is lit") {
-  const Description d = read_model_text();
+  const Description d = read_model_text(on_floor());
   REQUIRE(d.shapes.size() == 3);  // two materials and the floor
   for (const ShapeDescription& shape : d.shapes) CHECK(shape.material.has_value());
   const ShapeDescription& floor = d.shapes.back();
@@ -47,17 +54,18 @@ TEST_CASE("model: the whole model is in the image from every direction") {
         CAPTURE(elevation);
         CAPTURE(azimuth);
         ReadOptions options;
-        options.view = {up, azimuth, elevation, 40};
+        options.view = {up, azimuth, elevation, 40, 4.0 / 3};
         const Description d = read_model_text(options);
         const Transform to_camera = d.camera.to_world.inverse();
         for (const Vec3f corner : {Vec3f{2, 1, 0}, Vec3f{4, 1, 0}, Vec3f{2, 5, 0}, Vec3f{2, 1, 2}}) {
           const Vec3f seen = to_camera.point(corner);
           REQUIRE(seen.z > 0);
-          CHECK(std::hypot(seen.x, seen.y) / seen.z < std::tan(20.0 * 3.14159265 / 180));
+          CHECK(std::abs(seen.x) / seen.z < 4.0 / 3 * std::tan(20.0 * 3.14159265 / 180));
+          CHECK(std::abs(seen.y) / seen.z < std::tan(20.0 * 3.14159265 / 180));
         }
-        const Vec3f eye = d.camera.to_world.point({0, 0, 0}) - Vec3f{3, 3, 1};
-        const float height = up == ModelView::Up::kX ? eye.x : up == ModelView::Up::kY ? eye.y : eye.z;
-        CHECK(height / length(eye) == near(std::sin(elevation * 3.14159265 / 180), 1e-3));
+        const Vec3f view = d.camera.to_world.vector({0, 0, -1});
+        const float height = up == ModelView::Up::kX ? view.x : up == ModelView::Up::kY ? view.y : view.z;
+        CHECK(std::abs(height / length(view) - std::sin(elevation * 3.14159265 / 180)) < 1e-6);
       }
 }
 
@@ -127,7 +135,7 @@ float smallest_cosine(const Mesh& mesh) {
 float smallest_cosine_of(const std::string& name, const std::string& text) {
   const TemporaryFolder folder;
   write_below(folder, "look.mtl", "newmtl red\nKd 1 0 0\n");
-  const Description d = read_scene(write_below(folder, name, text));
+  const Description d = read_scene(write_below(folder, name, text), on_floor());
   float smallest = 1;
   for (std::size_t i = 0; i + 1 < d.shapes.size(); ++i)  // the last is the floor
     smallest = std::min(smallest, smallest_cosine(std::get<Mesh>(d.shapes[i].geometry)));

@@ -1,5 +1,6 @@
 // glTF files: containers, accessors, triangles, and errors.
 #include "scene/compile/compile.h"
+#include "scene/dialects/read_model.h"
 #include "tests/support/files/gltf_files.h"
 #include "tests/support/files/scene_files.h"
 #include "tests/support/near.h"
@@ -68,10 +69,13 @@ TEST_CASE("gltf: buffers in files are found by their escaped names") {
   CHECK(d.files.size() == 2);
 }
 
-TEST_CASE("gltf: a model without camera and lights stands on a floor under a sky") {
+TEST_CASE("gltf: a model without camera and lights stands in a studio") {
   GltfBuilder gltf;
   gltf.add_triangle();
-  const Description d = read_document(gltf);
+  CHECK(has_studio(read_document(gltf)));
+  ReadOptions outdoors;
+  outdoors.surroundings.studio = Studio::kSun;
+  const Description d = read_document(gltf, outdoors);
   CHECK(d.shapes.size() == 2);
   CHECK(d.lights.size() == 2);
   ReadOptions bare;

@@ -83,7 +83,7 @@ py::tuple image_state(const RenderedImage& r) {
       attributes,
       py::make_tuple(metadata.software, camera, metadata.half_channels, metadata.capture_date,
                      static_cast<int>(metadata.compression), metadata.dwa_level),
-      py::make_tuple(r.stats, r.warnings, r.notes, r.interrupted, r.kept_scene, r.kept_accel));
+      py::make_tuple(r.stats, r.warnings, r.notes, r.interrupted, r.kept_scene, r.kept_accel, r.has_studio));
 }
 
 /// An attribute of the type with this index, which numbers of Python do not tell apart.
@@ -120,6 +120,7 @@ RenderedImage image_from_state(const py::tuple& state) {
   r.warnings = about[1].cast<std::vector<std::string>>();
   r.notes = about[2].cast<std::vector<std::string>>();
   r.interrupted = about[3].cast<bool>(), r.kept_scene = about[4].cast<bool>(), r.kept_accel = about[5].cast<bool>();
+  r.has_studio = about[6].cast<bool>();
   return r;
 }
 

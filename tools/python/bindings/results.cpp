@@ -45,8 +45,11 @@ template <class Arguments> Arguments arguments_of(void (*add)(Command&, Argument
   return arguments;
 }
 
-OutputSettings output_settings(const OptionValues& values) {
-  return sheaf::output_settings(arguments_of<OutputArguments>(add_output_options, values));
+OutputSettings output_settings(const RenderedImage& result, const OptionValues& values) {
+  const auto arguments = arguments_of<OutputArguments>(add_output_options, values);
+  OutputSettings settings = sheaf::output_settings(arguments);
+  if (result.has_studio) set_model_defaults(arguments, settings);
+  return settings;
 }
 
 /// An element with a plugin that does not exist.
@@ -128,7 +131,7 @@ std::map<std::string, std::vector<std::string>> plugin_names() {
 }
 
 void write_result(const RenderedImage& result, const std::string& file, const OptionValues& options) {
-  const OutputSettings settings = output_settings(options);
+  const OutputSettings settings = output_settings(result, options);
   check_image_name(file);
   std::optional<Image> displayed;
   std::optional<double> exposure;
@@ -140,7 +143,7 @@ void write_result(const RenderedImage& result, const std::string& file, const Op
 
 std::vector<unsigned char> encode_png(const RenderedImage& result, const OptionValues& options) {
   std::optional<double> exposure;
-  return encode_image(displayed_image(result.image, output_settings(options), exposure));
+  return encode_image(displayed_image(result.image, output_settings(result, options), exposure));
 }
 
 RenderedImage read_result(const std::string& file) {

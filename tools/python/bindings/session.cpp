@@ -5,6 +5,7 @@
 #include "core/io/inflate.h"
 #include "core/io/memory.h"
 #include "scene/compile/geometry/prepare_mesh.h"
+#include "scene/dialects/read_model.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/console/progress.h"
 #include "tools/job/parts.h"
@@ -205,6 +206,15 @@ std::filesystem::path Session::find_file(const std::string& name, const SourceLo
   return ExpandedScene(XmlElement(), *expanded()).find_file(name, where);
 }
 
+/// Reads a bare model again if it was framed for an image of another aspect ratio.
+void Session::read_for_size(const RenderArguments& arguments) {
+  if (!has_studio(loaded_.description)) return;
+  const double aspect_ratio = sheaf::read_options(arguments).view.aspect_ratio;
+  if (aspect_ratio == read_options_.view.aspect_ratio) return;
+  read_options_.view.aspect_ratio = aspect_ratio;
+  take(read_scene(name_, read_options_));
+}
+
 void Session::prepare_job(const OptionValues& options, const std::vector<XmlElement>& replacements, Job& job) {
   OptionValues values = options;
   values.insert(read_values_.begin(), read_values_.end());
@@ -214,6 +224,7 @@ void Session::prepare_job(const OptionValues& options, const std::vector<XmlElem
     if (!options_of_render_only().contains(option.name))
       job.compiled_for += fmt::format("--{}={}\n", option.name, option.values);
   choose_denoiser(job.arguments.denoiser);
+  read_for_size(job.arguments);
   // Apply them to the scene as it was read
   if (replaced_) loaded_.description = std::move(*replaced_);
   replaced_.reset();
@@ -292,6 +303,7 @@ RenderedImage Session::render(const OptionValues& options, const std::vector<Xml
   out.warnings.insert(out.warnings.end(), result.warnings.begin(), result.warnings.end());
   out.notes = loaded_.remarks.notes;
   out.interrupted = result.interrupted;
+  out.has_studio = has_studio(loaded_.description);
   out.kept_scene = job.kept_scene;
   out.kept_accel = job.kept_accel;
   return out;

@@ -26,6 +26,7 @@ struct RenderedImage {
   std::vector<std::string> warnings = {};  ///< about the scene and the render
   std::vector<std::string> notes = {};
   bool interrupted = false;
+  bool has_studio = false;  ///< the scene is a bare model; see scene/dialects/read_model.h
   bool kept_scene = false;  ///< the compiled scene of the last render was used
   bool kept_accel = false;  ///< its acceleration structure was used, or updated for changed vertices
 };
@@ -88,6 +89,7 @@ class Session {
   struct Job;
   void take(Description description);
   std::shared_ptr<const ExpandedScene> expanded() const;
+  void read_for_size(const RenderArguments& arguments);
   void prepare_job(const OptionValues& options, const std::vector<XmlElement>& replacements, Job& job);
   void compile_job(Job& job);
   RecordedSettings settings_of(const Job& job) const;
