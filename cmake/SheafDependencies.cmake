@@ -17,7 +17,7 @@ find_package(tinyobjloader MODULE REQUIRED)
 find_package(Draco MODULE QUIET)  # optional, for compressed meshes in glTF files
 find_package(Meshoptimizer MODULE QUIET)  # likewise
 find_package(Assimp MODULE QUIET)  # optional, for .dae, .fbx, .3ds and .off models
-find_package(OpenVDB MODULE QUIET)  # optional, for the tool vdb_to_nanovdb
+find_package(OpenVDB MODULE QUIET)  # optional, for the tool make_vdb_files, which writes files for tests
 find_package(pugixml CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(CLI11 CONFIG REQUIRED)

@@ -16,7 +16,6 @@ enum class FileUse {
   kUnknown,    ///< neither content nor extension is known; includes scenes and models that Sheaf reads
   kEmpty,      ///< no bytes
   kModel,      ///< model or scene of another program
-  kVolume,     ///< density grid of another program
   kImage,      ///< image, supported or not
   kScenePart,  ///< asset of a scene, not a scene itself
   kArchive     ///< compressed file or archive

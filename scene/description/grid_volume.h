@@ -19,14 +19,14 @@ struct GridVolumeDescription {
   enum class Format {
     /// Mitsuba's format: dense, one or three channels. Fills the unit cube, or with `use_grid_bbox` the file's box.
     kVol,
-    kNanoVdb,   ///< sparse; placed by the map in the file; zero outside
+    kSparse,    ///< NanoVDB or OpenVDB; placed by the map in the file; zero outside
     kInMemory,  ///< `made`; placed by DenseVolume::grid_to_local
   };
   /// kVol: values outside the grid.
   enum class Wrap { kClamp, kRepeat, kMirror };
   std::filesystem::path file;  ///< resolved path
   Format format = Format::kVol;
-  std::string grid;    ///< kNanoVdb: name of the grid; empty: the first in the file
+  std::string grid;    ///< kSparse: name of the grid; empty: the first in the file
   Transform to_world;  ///< from the space that `format` defines
   bool use_grid_bbox = false;
   /// Stretch the grid over the bounding box of the shapes that contain the medium; ignores to_world.

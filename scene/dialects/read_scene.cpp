@@ -85,8 +85,6 @@ std::string conversion(FileUse use) {
   switch (use) {
     case FileUse::kModel:
       return "; convert it to glTF, for example with Blender";
-    case FileUse::kVolume:
-      return "; convert it to .nvdb with vdb_to_nanovdb or nanovdb_convert and use it as a gridvolume in a scene";
     case FileUse::kImage:
       return "; use images as textures or environment maps in a scene";
     case FileUse::kScenePart:

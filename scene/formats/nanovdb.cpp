@@ -4,12 +4,11 @@
 #include "scene/formats/nanovdb.h"
 
 #include "core/io/inflate.h"
+#include "scene/formats/blosc.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/sparse_volume.h"
 
 #include <nanovdb/NanoVDB.h>
-#ifdef NANOVDB_USE_BLOSC
-#include <blosc.h>
-#endif
 
 #include <algorithm>
 #include <bit>
@@ -28,12 +27,6 @@ template <class T> T value_at(const char* bytes) {
   T value;
   std::memcpy(&value, bytes, sizeof(T));
   return value;
-}
-
-/// Truncates a name from a file for a message.
-std::string displayed(const std::string& name) {
-  constexpr std::size_t kLongest = 60;
-  return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
 }
 
 /// Location of a grid in its file.
@@ -57,19 +50,9 @@ class Directory {
   }
 
   const GridEntry& find(const std::string& name) const {
-    if (entries_.empty()) fail("the file holds no grids");
-    if (name.empty()) return entries_.front();
-    for (const GridEntry& entry : entries_)
-      if (entry.name == name) return entry;
-    constexpr std::size_t kMaxListed = 16;
     std::vector<std::string> names;
-    std::string list;
-    for (const GridEntry& entry : entries_) {
-      names.push_back(entry.name);
-      if (names.size() <= kMaxListed) list += (list.empty() ? "'" : ", '") + displayed(entry.name) + "'";
-    }
-    if (names.size() > kMaxListed) list += " and others";
-    fail(fmt::format("no grid '{}' (the file holds {}){}", name, list, did_you_mean(name, names)));
+    for (const GridEntry& entry : entries_) names.push_back(entry.name);
+    return entries_[find_grid(names, name, file_)];
   }
 
  private:
@@ -82,12 +65,6 @@ class Directory {
   }
 
   void check_kind() const {
-    constexpr std::string_view kOpenVdb("\x20\x42\x44\x56\0\0\0\0", 8);
-    if (bytes_.starts_with(kOpenVdb)) {
-      fail(
-          "an OpenVDB file (expected NanoVDB; convert it with OpenVDB's 'nanovdb_convert FILE.vdb FILE.nvdb' or with "
-          "Sheaf's 'vdb_to_nanovdb FILE.vdb FILE.nvdb')");
-    }
     if (bytes_.size() < 8 || !is_magic(bytes_.data())) {
       fail("expected a NanoVDB file, which begins with the letters NanoVDB0 or NanoVDB2");
     }
@@ -140,7 +117,7 @@ class GridMemory {
         inflate();
         break;
       case 2:
-        decompress_blosc();
+        decompress_chunks();
         break;
       default:
         fail(fmt::format("compressed with the unknown codec {}", entry.codec));
@@ -151,7 +128,7 @@ class GridMemory {
   std::uint64_t size() const { return entry_.size; }
   std::size_t stored_bytes() const { return entry_.stored.size(); }
   [[noreturn]] void fail(const std::string& message) const {
-    throw SceneError(SourceLocation{file_}, fmt::format("grid '{}': {}", displayed(entry_.name), message));
+    throw SceneError(SourceLocation{file_}, fmt::format("grid '{}': {}", displayed_grid(entry_.name), message));
   }
 
  private:
@@ -186,31 +163,22 @@ class GridMemory {
     if (found < entry_.size) fail("the file is truncated");
   }
 
-#ifdef NANOVDB_USE_BLOSC
-  void decompress_blosc() {
+  void decompress_chunks() {
     constexpr std::uint64_t kMaxPerByte = 256, kChunk = std::uint64_t{1} << 30;
+    if (!has_blosc()) fail(kNoBlosc);
     allocate(entry_.stored.size() * kMaxPerByte);
     std::string_view left = entry_.stored;
     for (std::uint64_t done = 0; done < entry_.size;) {
       const std::uint64_t chunk = std::min(entry_.size - done, kChunk);
       const std::uint64_t stored = left.size() < 8 ? left.size() : value_at<std::uint64_t>(left.data());
       if (left.size() < 8 || stored > left.size() - 8) fail("the file is truncated");
-      std::size_t claimed = 0;
-      const bool is_valid = blosc_cbuffer_validate(left.data() + 8, stored, &claimed) == 0 && claimed == chunk;
-      if (!is_valid || blosc_decompress_ctx(left.data() + 8, memory() + done, chunk, 1) != static_cast<int>(chunk)) {
+      if (!decompress_blosc(left.substr(8, stored), {memory() + done, chunk})) {
         fail("the Blosc-compressed data is corrupt");
       }
       done += chunk;
       left.remove_prefix(8 + stored);
     }
   }
-#else
-  void decompress_blosc() {
-    fail(
-        "compressed with Blosc, which this build of Sheaf does not support (write it with 'nanovdb_convert -z', or "
-        "build Sheaf with libblosc-dev)");
-  }
-#endif
 
   const GridEntry& entry_;
   const std::string& file_;
@@ -257,7 +225,7 @@ template <class BuildT> class TreeReader {
   using Lower = typename nanovdb::NanoLower<BuildT>::DataType;
   using Leaf = typename nanovdb::NanoLeaf<BuildT>::DataType;
   using Value = typename Root::ValueT;
-  static constexpr bool kIsVector = std::is_same_v<Value, nanovdb::Vec3f>;
+  static constexpr bool kIsVector = std::is_same_v<Value, nanovdb::Vec3f> || std::is_same_v<Value, nanovdb::Vec3d>;
   static constexpr int kChannels = kIsVector ? 3 : 1;
   static constexpr std::uint64_t kTree = sizeof(nanovdb::GridData);
 
@@ -274,9 +242,9 @@ template <class BuildT> class TreeReader {
 
   static void set(const Value& value, float* out) {
     if constexpr (kIsVector) {
-      for (int c = 0; c < 3; ++c) out[c] = value[c];
+      for (int c = 0; c < 3; ++c) out[c] = to_float(value[c]);
     } else {
-      *out = value;
+      *out = to_float(value);
     }
   }
 
@@ -351,14 +319,27 @@ VoxelBlocks read_tree(const GridMemory& memory, nanovdb::GridType type) {
       return TreeReader<nanovdb::Fp16>(memory).read();
     case nanovdb::GridType::FpN:
       return TreeReader<nanovdb::FpN>(memory).read();
+    case nanovdb::GridType::Double:
+      return TreeReader<double>(memory).read();
+    case nanovdb::GridType::Int16:
+      return TreeReader<std::int16_t>(memory).read();
+    case nanovdb::GridType::Int32:
+      return TreeReader<std::int32_t>(memory).read();
+    case nanovdb::GridType::Int64:
+      return TreeReader<std::int64_t>(memory).read();
+    case nanovdb::GridType::UInt32:
+      return TreeReader<std::uint32_t>(memory).read();
     case nanovdb::GridType::Vec3f:
       return TreeReader<nanovdb::Vec3f>(memory).read();
+    case nanovdb::GridType::Vec3d:
+      return TreeReader<nanovdb::Vec3d>(memory).read();
     default:
       break;
   }
   const std::string name =
       type < nanovdb::GridType::End ? nanovdb::toStr(type) : std::to_string(static_cast<std::uint32_t>(type));
-  memory.fail("expected values of type float, Fp4, Fp8, Fp16, FpN or Vec3f, found type " + name);
+  memory.fail("expected values of type float, Fp4, Fp8, Fp16, FpN, double, an integer, Vec3f or Vec3d, found type " +
+              name);
 }
 
 SparseVolume read_volume(const GridMemory& memory) {
@@ -405,14 +386,6 @@ bool has_nanovdb_grid(const std::filesystem::path& file, const std::string& grid
   const std::string name = file.string();
   const std::string bytes = read_mesh_bytes(file, "NanoVDB file");
   return Directory(bytes, name).has(grid);
-}
-
-bool has_nanovdb_blosc() {
-#ifdef NANOVDB_USE_BLOSC
-  return true;
-#else
-  return false;
-#endif
 }
 
 }  // namespace sheaf

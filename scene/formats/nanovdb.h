@@ -10,19 +10,16 @@
 namespace sheaf {
 
 /// Reads a grid of a .nvdb file: the grid named `grid`, or the first one if `grid` is empty. Values are single floats
-/// (float, or quantized Fp4, Fp8, Fp16, FpN), or three of them (Vec3f). Inactive voxels count, too. The file may be
-/// uncompressed, deflated, or compressed with Blosc if the build includes it. Throws SceneError for a missing,
-/// truncated or corrupt file, for OpenVDB files (with conversion advice), unknown grid names, level sets, other value
-/// types, and values that are not finite.
+/// (float, or quantized Fp4, Fp8, Fp16, FpN), doubles, integers of 16 to 64 bits, or vectors of three floats or
+/// doubles. They are converted to 32-bit floats. Inactive voxels count, too. The file may be uncompressed, deflated, or
+/// compressed with Blosc if the build includes it. Throws SceneError for a missing, truncated or corrupt file, unknown
+/// grid names, level sets, other value types, and values that are not finite.
 SparseVolume read_nanovdb(const std::filesystem::path& file, const std::string& grid);
 
 /// Whether the file has a grid of this name. Throws as read_nanovdb() does for invalid files.
 bool has_nanovdb_grid(const std::filesystem::path& file, const std::string& grid);
 
 enum class NanoVdbCodec { kUncompressed, kZip, kBlosc };
-
-/// Whether this build supports Blosc compression.
-bool has_nanovdb_blosc();
 
 /// A grid to write.
 struct NanoVdbGrid {

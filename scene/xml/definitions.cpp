@@ -15,6 +15,18 @@ bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
+/// The value of an entry. Of `frame`, if it is a number of digits and a digit from 1 to 9 follows in `rest`, that many
+/// digits; `i` then skips the digit.
+std::string with_digits(const std::pair<const std::string, std::string>& entry, std::string_view rest, std::size_t& i) {
+  const std::string& value = entry.second;
+  const bool is_number =
+      !value.empty() && std::all_of(value.begin(), value.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (entry.first != "frame" || !is_number || rest.empty() || rest[0] < '1' || rest[0] > '9') return value;
+  ++i;
+  const auto digits = static_cast<std::size_t>(rest[0] - '0');
+  return std::string(digits - std::min(digits, value.size()), '0') + value;
+}
+
 }  // namespace
 
 bool is_definition_name(std::string_view name) {
@@ -60,9 +72,10 @@ std::string Definitions::replace(std::string_view text, const TextLocation& loca
     } else if (const Entry* entry = name.empty() ? nullptr : longest_prefix(name)) {
       // Substitute the value
       used_.insert(entry->first);
-      substituted_ += entry->second.size();
-      result += entry->second;
       i += 1 + entry->first.size();
+      const std::string value = with_digits(*entry, text.substr(i), i);
+      substituted_ += value.size();
+      result += value;
     } else {
       // Copy other text
       if (!name.empty() && !keep_undefined) {

@@ -34,9 +34,10 @@ class Definitions {
   /// Defines a name unless -D or an earlier <default> did. Either way the name is used.
   void add_default(const std::string& name, const std::string& value);
 
-  /// Replaces every `$(expression)` (scene/xml/expression.h) and `$name`, where the longest defined name counts. Passes
-  /// undefined names and errors of expressions to `on_error`. Throws SceneError if all substitutions together exceed
-  /// 256 MiB.
+  /// Replaces every `$(expression)` (scene/xml/expression.h) and `$name`, where the longest defined name counts. As in
+  /// names of outputs, `$frame4` is the number `frame` with at least 4 digits (1 to 9), unless `frame4` is defined.
+  /// Passes undefined names and errors of expressions to `on_error`. Throws SceneError if all substitutions together
+  /// exceed 256 MiB.
   std::string substitute(std::string_view text, const TextLocation& location, const OnError& on_error);
   /// The same, but leaves undefined names after `$` as they are.
   std::string substitute_defined(std::string_view text, const TextLocation& location, const OnError& on_error);

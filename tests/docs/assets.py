@@ -1,11 +1,14 @@
 """Small files of every format that scenes refer to, written with the standard library."""
 
+import gzip
 import json
 import math
 import struct
 import subprocess
 import zlib
 from pathlib import Path
+
+from documents import ROOT
 
 VERTICES = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
 TRIANGLES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (3, 6, 2), (3, 7, 6), (0, 4, 7),
@@ -95,23 +98,38 @@ def density(side=4):
     return header + b"".join(struct.pack("<f", i % 5 / 5) for i in range(side ** 3))
 
 
+def tensor(fields):
+    """A tensor file of fields: names, shapes, types of the module struct, and values that are repeated."""
+    kinds = {"B": 1, "H": 3, "f": 10}
+    size = 18 + sum(2 + len(name) + 2 + 1 + 8 + 8 * len(shape) for name, shape, _, _ in fields)
+    header, data = b"tensor_file\0\1\0" + struct.pack("<I", len(fields)), b""
+    for name, shape, code, values in fields:
+        header += struct.pack("<H", len(name)) + name.encode()
+        header += struct.pack("<HBQ", len(shape), kinds[code], size + len(data)) + struct.pack(f"<{len(shape)}Q", *shape)
+        count = math.prod(shape)
+        data += struct.pack(f"<{count}{code}", *(values * (count // len(values))))
+    return header + data
+
+
 def measured():
     """A constant BRDF in the format of the RGL database, with spectra."""
     wavelengths = [360.0, 550.0, 830.0]
     grid = (2, 2)
-    fields = [("jacobian", (1,), "B", [0]), ("phi_i", (1,), "f", [0]), ("theta_i", (2,), "f", [0, 1.5]),
-              ("ndf", grid, "f", [1]), ("sigma", grid, "f", [1]), ("vndf", (1, 2, *grid), "f", [1]),
-              ("luminance", (1, 2, *grid), "f", [1]), ("wavelengths", (3,), "f", wavelengths),
-              ("spectra", (1, 2, 3, *grid), "f", [0.3])]
-    size = 18 + sum(2 + len(name) + 2 + 1 + 8 + 8 * len(shape) for name, shape, _, _ in fields)
-    header, data = b"tensor_file\0\1\0" + struct.pack("<I", len(fields)), b""
-    for name, shape, code, values in fields:
-        kind = 1 if code == "B" else 10
-        header += struct.pack("<H", len(name)) + name.encode() + struct.pack("<HBQ", len(shape), kind, size + len(data))
-        header += struct.pack(f"<{len(shape)}Q", *shape)
-        count = math.prod(shape)
-        data += struct.pack(f"<{count}{code}", *(values * (count // len(values))))
-    return header + data
+    return tensor([("jacobian", (1,), "B", [0]), ("phi_i", (1,), "f", [0]), ("theta_i", (2,), "f", [0, 1.5]),
+                   ("ndf", grid, "f", [1]), ("sigma", grid, "f", [1]), ("vndf", (1, 2, *grid), "f", [1]),
+                   ("luminance", (1, 2, *grid), "f", [1]), ("wavelengths", (3,), "f", wavelengths),
+                   ("spectra", (1, 2, 3, *grid), "f", [0.3])])
+
+
+def polarized():
+    """A constant, depolarizing BRDF in the format of Baek et al. 2020."""
+    return tensor([("phi_d", (1, 3), "f", [-math.pi, 0, math.pi]), ("theta_d", (1, 2), "f", [0, math.pi / 2]),
+                   ("theta_h", (1, 2), "f", [0, math.pi / 2]), ("wvls", (2,), "H", [450, 650]),
+                   ("M", (3, 2, 2, 2, 4, 4), "f", [0.2] + 15 * [0])])
+
+
+def vdb():
+    return gzip.decompress((ROOT / "tests/scene/formats/vdb/small_zip.vdb.gz").read_bytes())
 
 
 CURVES = "-1 0 0 0.1\n-0.3 0.4 0 0.1\n0.3 -0.4 0 0.1\n1 0 0 0.1\n"
@@ -128,8 +146,9 @@ def content(path, text):
         return vol() if "sdfgrid" in text else density()
     if suffix == ".txt":
         return CURVES
-    makers = {".obj": obj, ".ply": ply, ".stl": stl, ".glb": glb, ".serialized": serialized, ".bsdf": measured, ".mitshair": lambda: HAIR,
-              ".hair": lambda: HAIR, ".spd": lambda: SPECTRUM}
+    makers = {".obj": obj, ".ply": ply, ".stl": stl, ".glb": glb, ".serialized": serialized, ".bsdf": measured,
+              ".pbsdf": polarized, ".vdb": vdb, ".mitshair": lambda: HAIR, ".hair": lambda: HAIR,
+              ".spd": lambda: SPECTRUM}
     images = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".bmp", ".tif", ".tiff", ".pfm")
     return makers[suffix]() if suffix in makers else png() if suffix in images else None
 

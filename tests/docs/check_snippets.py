@@ -251,7 +251,7 @@ def render(block, folder, build):
     except ET.ParseError as error:
         return f"is not XML: {error}"
     scene.write_text(text)
-    for name in re.findall(r'"([\w./-]+\.[a-z]+)"', text):
+    for name in re.findall(r'"([\w./-]+\.[a-z]+)"', text.replace("$frame4", "0001")):
         if not assets.write(folder, name, text, build):
             return f"names the file {name}, of a format that tests/docs/assets.py does not know"
     command = [build / "sheaf", "render", scene, "-o", folder / "image.exr", "--stats", folder / "stats.json",

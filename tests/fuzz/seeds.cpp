@@ -4,6 +4,7 @@
 #include "core/image/exr.h"
 #include "core/image/formats/tiff.h"
 #include "core/image/image.h"
+#include "core/io/inflate.h"
 #include "kernels/render/render_state.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/fuzz/image_extensions.h"
@@ -270,6 +271,12 @@ void add_volumes(Seeds& seeds) {
       write_nanovdb(folder / "a.nvdb", grids, NanoVdbCodec::kZip);
       seeds.add("nvdb", read_bytes(folder / "a.nvdb"));
     }
+  for (const char* const name : {"small_zip", "small_blosc"}) {
+    const std::string stored = read_bytes(fmt::format("{}/tests/scene/formats/vdb/{}.vdb.gz", SHEAF_SOURCE_DIR, name));
+    std::string bytes(std::size_t{1} << 20, '\0');
+    bytes.resize(Inflater(stored).read(bytes));
+    seeds.add("vdb", bytes);
+  }
 }
 
 void add_measured(Seeds& seeds) {

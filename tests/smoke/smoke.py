@@ -96,6 +96,7 @@ PROGRAMS = {
                     ["scenes/cornell/cornell.xml", "--spp", "1", "--runs", "1", "--null", "-D", "width=64",
                      "-D", "height=48"],
                     ["scenes/cornell/cornell.xml", "--runs", "1", "--photons", "1000"]],
+    "make_vdb_files": [["."]],
     "vdb_to_nanovdb": [["ball.vdb", "ball.nvdb"]],
 }
 

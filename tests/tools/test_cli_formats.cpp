@@ -61,7 +61,7 @@ const std::vector<Foreign>& foreign_files() {
                                              {"a.x3d", "<?xml version='1.0'?><X3D/>", "an X3D scene", "Blender"},
                                              {"a.blend", "BLENDER-v404", "a Blender file", "Blender"},
                                              {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
-                                             {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
+                                             {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "use it in a scene"},
                                              {"a.nvdb", "NanoVDB2", "a NanoVDB file", "use it in a scene"},
                                              {"a.mtl", "newmtl x\n", "a material library", "use it in a scene"},
                                              {"a.zip", "PK\x03\x04\0"s, "a ZIP archive", "unpack"}};
@@ -173,7 +173,7 @@ TEST_CASE("formats: info lists all formats that the program reads and writes") {
         "model       STL model (.stl)\n", "image       OpenEXR (.exr), also written, by OpenEXR\n",
         "image       JPEG (.jpg, .jpeg), also written, by libjpeg-turbo\n", "image       TGA (.tga)\n",
         "image       WebP (.webp), by libwebp\n", "asset       NanoVDB file (.nvdb)\n",
-        "asset       Mitsuba volume (.vol)\n", "asset       spectrum (.spd)\n"})
+        "asset       OpenVDB file (.vdb)\n", "asset       Mitsuba volume (.vol)\n", "asset       spectrum (.spd)\n"})
     CHECK_MESSAGE(contains(text, line), line);
   for (const ModelFormat& model : model_formats()) CHECK(contains(text, model.known.extensions[0]));
   // The documentation lists the formats of images

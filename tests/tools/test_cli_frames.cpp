@@ -1,5 +1,10 @@
 // sheaf render --frames: the frames of an animation, their names, and what happens to existing and unfinished ones.
+#include "core/image/exr.h"
+#include "core/image/image.h"
 #include "core/io/error.h"
+#include "core/io/inflate.h"
+#include "scene/formats/nanovdb.h"
+#include "scene/formats/openvdb.h"
 #include "tests/support/files/gltf_files.h"
 #include "tests/support/program_testing.h"
 #include "tools/farm/frame_names.h"
@@ -119,6 +124,66 @@ TEST_CASE("frames: a mesh that changes between frames is read again") {
   REQUIRE(frames.sheaf("render grey.xml --quiet --no-timestamps --frames 1:2 -o 'a$frame.exr'").code == 0);
   REQUIRE(frames.sheaf("render grey.xml --quiet --no-timestamps -D frame=2 -o one.exr").code == 0);
   CHECK(frames.bytes("a2.exr") == frames.bytes("one.exr"));
+}
+
+namespace {
+
+/// A grid in a sphere; `$kind` is the extension of its files.
+constexpr char kSmoke[] = R"(<scene version="3.0.0">
+  <default name="frame" value="0"/> <default name="kind" value="vdb"/>
+  <integrator type="volpath"/>
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="30, 20, 60" target="4, 4, 2" up="0, 1, 0"/></transform>
+    <float name="fov" value="15"/>
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
+    <sampler type="independent"><integer name="sample_count" value="8"/></sampler>
+  </sensor>
+  <medium type="heterogeneous" id="smoke">
+    <volume type="gridvolume" name="sigma_t">
+      <string name="filename" value="smoke_$frame4.$kind"/> <string name="grid_name" value="density"/>
+    </volume>
+    <volume type="gridvolume" name="albedo">
+      <string name="filename" value="smoke_$frame4.$kind"/> <string name="grid_name" value="heat"/>
+    </volume>
+  </medium>
+  <shape type="sphere">
+    <float name="radius" value="20"/> <bsdf type="null"/> <ref name="interior" id="smoke"/>
+  </shape>
+  <emitter type="constant"/>
+</scene>)";
+
+}  // namespace
+
+TEST_CASE("frames: volumes of numbered files, in OpenVDB and NanoVDB files, give the same images") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "smoke.xml", kSmoke);
+  for (const int frame : {8, 9}) {
+    const std::string name = folder / fmt::format("smoke_{:04}", frame);
+    const std::string stored = read_bytes(
+        fmt::format("{}/tests/scene/formats/vdb/small_{}.vdb.gz", SHEAF_SOURCE_DIR, frame == 8 ? "zip" : "blosc"));
+    std::string bytes(std::size_t{1} << 20, '\0');
+    bytes.resize(Inflater(stored).read(bytes));
+    write_bytes(name + ".vdb", bytes);
+    const SparseVolume density = read_openvdb(name + ".vdb", "density"), heat = read_openvdb(name + ".vdb", "heat");
+    const NanoVdbGrid grids[] = {{"density", &density.voxels, density.grid_to_local},
+                                 {"heat", &heat.voxels, heat.grid_to_local}};
+    write_nanovdb(name + ".nvdb", grids);
+  }
+  for (const std::string kind : {"vdb", "nvdb"}) {
+    const Outcome made =
+        run(folder, "render smoke.xml --quiet --frames 8:9 -D kind=" + kind + " -o '" + kind + "_$frame4.exr'");
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+  }
+  for (const char* const frame : {"0008", "0009"}) {
+    const Image a = read_exr(folder / fmt::format("vdb_{}.exr", frame)),
+                b = read_exr(folder / fmt::format("nvdb_{}.exr", frame));
+    CHECK(a.data == b.data);
+  }
+  CHECK(read_exr(folder / "vdb_0008.exr").data != read_exr(folder / "vdb_0009.exr").data);
+  const Outcome missing = run(folder, "render smoke.xml --quiet --frames 10:10 -o a.exr");
+  CHECK(missing.code == 3);
+  CHECK(contains(missing.err, "smoke_0010.vdb"));
 }
 
 TEST_CASE("frames: parts and checkpoints are those of single renders") {

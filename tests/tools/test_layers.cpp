@@ -110,6 +110,7 @@ const std::vector<Wrapped> kWrapped = {
     {"pugixml", {"pugixml.hpp"}, ""},
     {"tinyobjloader", {"tiny_obj_loader.h"}, "scene/formats/obj"},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
+    {"Blosc", {"blosc.h"}, "scene/formats/blosc"},
     {"zlib", {"zlib.h"}, ""},
     {"CLI11", {"CLI/"}, "tools/options/options"},
     {"libmicrohttpd", {"microhttpd.h"}, "tools/preview/http_server"},

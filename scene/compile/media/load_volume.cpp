@@ -2,7 +2,7 @@
 
 #include "core/io/file_cache.h"
 #include "scene/compile/media/build_brick_grid.h"
-#include "scene/formats/nanovdb.h"
+#include "scene/formats/sparse_volume.h"
 #include "scene/formats/vol_file.h"
 
 #include <algorithm>
@@ -51,8 +51,8 @@ BrickGrid load_made(const GridVolumeDescription& description) {
 /// The limit per byte of the file, plus a constant, is far above the needs of volumes with explicit voxels.
 constexpr std::size_t kMaxPerByte = 512, kAlways = std::size_t{64} << 20;
 
-BrickGrid load_nanovdb(const GridVolumeDescription& description) {
-  const SparseVolume volume = read_nanovdb(description.file, description.grid);
+BrickGrid load_sparse(const GridVolumeDescription& description) {
+  const SparseVolume volume = read_sparse_volume(description.file, description.grid);
   BrickGrid grid = make_sparse_grid(volume.voxels, kAlways + kMaxPerByte * volume.stored_bytes);
   grid.grid_to_local = volume.grid_to_local;
   return grid;
@@ -78,8 +78,8 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
       switch (description.format) {
         case GridVolumeDescription::Format::kInMemory:
           return load_made(description);
-        case GridVolumeDescription::Format::kNanoVdb:
-          return cached(description.file, "nvdb " + description.grid, [&] { return load_nanovdb(description); });
+        case GridVolumeDescription::Format::kSparse:
+          return cached(description.file, "sparse " + description.grid, [&] { return load_sparse(description); });
         default: {
           const std::string options = description.use_grid_bbox ? "vol with box " : "vol ";
           return cached(description.file, options + std::to_string(static_cast<int>(description.wrap)),

@@ -1,7 +1,7 @@
 // The pbrt dialect: media.
 #include "scene/data/measured_media.h"
 #include "scene/dialects/pbrt/reader.h"
-#include "scene/formats/nanovdb.h"
+#include "scene/formats/sparse_volume.h"
 
 namespace sheaf::pbrt {
 
@@ -33,7 +33,7 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
   medium.scale = p.number("scale", 1, kNotNegative);
   GridVolumeDescription density;
   density.file = p.file("filename");
-  density.format = GridVolumeDescription::Format::kNanoVdb;
+  density.format = GridVolumeDescription::Format::kSparse;
   density.grid = p.string("gridname", "density");
   density.to_world = p.reader().attributes.transform.start;
   p.reader().note_rest(p.where(), "media");
@@ -41,7 +41,7 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
   temperature.grid = p.string("temperaturename", "temperature");
   medium.density = std::move(density);
   const float scale = p.number("LeScale", p.number("Lescale", 1, kNotNegative), kNotNegative);
-  if (scale > 0.0f && has_nanovdb_grid(temperature.file, temperature.grid)) {
+  if (scale > 0.0f && has_sparse_grid(temperature.file, temperature.grid)) {
     set_temperature(p, medium, std::move(temperature), scale);
   } else {
     if (p.has("temperaturename") && scale > 0.0f)

@@ -35,14 +35,11 @@ std::string first_bytes(const std::filesystem::path& file) {
 Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
   const std::string extension = lower(file.extension().string());
   if (extension == ".vol") return Grid::Format::kVol;
-  if (extension == ".nvdb") return Grid::Format::kNanoVdb;
+  if (extension == ".nvdb" || extension == ".vdb") return Grid::Format::kSparse;
   const std::string head = first_bytes(file);
   if (head.starts_with("VOL")) return Grid::Format::kVol;
-  if (head.starts_with("NanoVDB")) return Grid::Format::kNanoVdb;
-  if (extension == ".vdb" || head.starts_with(" BDV"))
-    p.fail_at("filename", fmt::format("is {}, an OpenVDB file, expected .nvdb or .vol; convert it with nanovdb_convert",
-                                      in_quotes(file.filename().string())));
-  p.fail_at("filename", fmt::format("is {}, expected a .vol or .nvdb file", in_quotes(file.filename().string())));
+  if (head.starts_with("NanoVDB") || head.starts_with(" BDV")) return Grid::Format::kSparse;
+  p.fail_at("filename", fmt::format("is {}, expected a .vol, .nvdb or .vdb file", in_quotes(file.filename().string())));
 }
 
 GridFilter read_grid_filter(Properties& p) {
@@ -76,7 +73,7 @@ Placement read_to_world(Properties& p, bool may_move, bool in_cube) {
 void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
   const bool placed = p.has("to_world");
   grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
-  const bool in_cube = grid.format != Grid::Format::kNanoVdb && !grid.use_grid_bbox;
+  const bool in_cube = grid.format != Grid::Format::kSparse && !grid.use_grid_bbox;
   const Placement placement = read_to_world(p, dialect.may_move, in_cube);
   grid.to_world = placement.to_world;
   grid.motion = add_motion(p.context().description.motions, placement);
@@ -116,7 +113,7 @@ constexpr NameTable<VolumeInput (*)(Properties&, SpectrumRole, const VolumeDiale
     {{"constantvolume", read_constant},
      {"constvolume", read_constant},
      {"gridvolume", read_any_grid},
-     {"nanovdb", read_grid_of<Grid::Format::kNanoVdb>},
+     {"nanovdb", read_grid_of<Grid::Format::kSparse>},
      {"vol", read_grid_of<Grid::Format::kVol>},
      {"volcache", read_cache}}};
 
@@ -202,7 +199,7 @@ std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const Vo
     box.motion = add_motion(p.context().description.motions, placement);
     return box;
   }
-  if (grid->format == Grid::Format::kNanoVdb || keeps_axes(grid->to_world)) return std::nullopt;
+  if (grid->format == Grid::Format::kSparse || keeps_axes(grid->to_world)) return std::nullopt;
   Transform to_world = grid->to_world;
   if (grid->use_grid_bbox && grid->format == Grid::Format::kVol) to_world = to_world * vol_box(grid->file);
   Grid box = world_box(to_world);
@@ -221,10 +218,10 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
   }
   if (format && *format != grid.format)
     p.fail_at("filename", fmt::format("is {}, expected a {} file", in_quotes(grid.file.filename().string()),
-                                      *format == Grid::Format::kVol ? ".vol" : ".nvdb"));
+                                      *format == Grid::Format::kVol ? ".vol" : ".nvdb or .vdb"));
   grid.grid = p.string("grid_name", "");
-  if (!grid.grid.empty() && grid.format != Grid::Format::kNanoVdb) {
-    p.report_at("grid_name", "is set for a .vol file or an array, expected a .nvdb file");
+  if (!grid.grid.empty() && grid.format != Grid::Format::kSparse) {
+    p.report_at("grid_name", "is set for a .vol file or an array, expected a .nvdb or .vdb file");
     grid.grid.clear();
   }
   read_placement(p, dialect, grid);

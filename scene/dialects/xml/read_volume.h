@@ -13,9 +13,9 @@ struct VolumeDialect {
   bool may_move = false;      ///< `to_world` may be an <animation>
 };
 
-/// Reads a grid: `filename` (.vol or .nvdb, otherwise recognized by its first bytes), `grid_name`, `to_world`,
+/// Reads a grid: `filename` (.vol, .nvdb or .vdb, otherwise recognized by its first bytes), `grid_name`, `to_world`,
 /// `use_grid_bbox`, `filter_type`, `wrap_mode`, `raw`, in Nori `fit_to_shape`. The caller finishes `p`. Throws
-/// SceneError, also for OpenVDB's own format and for a format other than `format`.
+/// SceneError, also for a format other than `format`.
 GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect,
                                 std::optional<GridVolumeDescription::Format> format = std::nullopt);
 

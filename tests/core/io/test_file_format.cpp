@@ -26,7 +26,7 @@ TEST_CASE("file format: the first bytes decide whatever the file name") {
                         {"PXR-USDC\0\0"s, FileUse::kModel, "a USD scene"},
                         {"BLENDER-v300", FileUse::kModel, "a Blender file"},
                         {"Ogawa\xff", FileUse::kModel, "an Alembic file"},
-                        {" BDV\0\0\0\0\xe0"s, FileUse::kVolume, "an OpenVDB file"},
+                        {" BDV\0\0\0\0\xe0"s, FileUse::kScenePart, "an OpenVDB file"},
                         {"v/1\x01\x02\0\0\0"s, FileUse::kImage, "an OpenEXR image"},
                         {"\x89PNG\r\n\x1a\n", FileUse::kImage, "a PNG image"},
                         {"\xff\xd8\xff\xe0", FileUse::kImage, "a JPEG image"},

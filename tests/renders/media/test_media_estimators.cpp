@@ -114,7 +114,7 @@ GridVolumeDescription ones_in_nanovdb(const std::filesystem::path& file, float s
   write_nanovdb(file, {&grid, 1});
   GridVolumeDescription description;
   description.file = file;
-  description.format = GridVolumeDescription::Format::kNanoVdb;
+  description.format = GridVolumeDescription::Format::kSparse;
   return description;
 }
 

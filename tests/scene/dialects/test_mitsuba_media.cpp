@@ -71,7 +71,7 @@ TEST_CASE("media: heterogeneous media have grids with transforms and filters") {
   CHECK(sigma_t.filter == GridFilter::kNearest);
   CHECK(sigma_t.wrap == Grid::Wrap::kMirror);
   const auto& emission = std::get<Grid>(*only_medium(d).emission);
-  CHECK(emission.format == Grid::Format::kNanoVdb);
+  CHECK(emission.format == Grid::Format::kSparse);
   CHECK(emission.grid == "flame");
   CHECK((!emission.raw && !emission.use_grid_bbox));
   CHECK(emission.filter == GridFilter::kTrilinear);
@@ -141,7 +141,9 @@ TEST_CASE("media: the grid format follows from the file name or the first bytes"
   };
   CHECK(format("a.VOL") == Grid::Format::kVol);
   CHECK(format("vol.dat") == Grid::Format::kVol);
-  CHECK(format("nanovdb.dat") == Grid::Format::kNanoVdb);
+  CHECK(format("nanovdb.dat") == Grid::Format::kSparse);
+  CHECK(format("openvdb.dat") == Grid::Format::kSparse);
+  CHECK(format("a.vdb") == Grid::Format::kSparse);
 }
 
 TEST_CASE("media: grids may be textures of surfaces and may be scaled") {
@@ -263,9 +265,7 @@ TEST_CASE("media: errors of grids and placement in Mitsuba scenes have line and 
       {
           {grid(""), "volume 'gridvolume' needs the string 'filename'"},
           {grid(file("gone.vol")), "file 'gone.vol' not found"},
-          {grid(file("a.vdb")), "an OpenVDB file, expected .nvdb or .vol"},
-          {grid(file("openvdb.dat")), "an OpenVDB file, expected .nvdb or .vol"},
-          {grid(file("text.dat")), "expected a .vol or .nvdb file"},
+          {grid(file("text.dat")), "expected a .vol, .nvdb or .vdb file"},
           {grid(file("a.vol") + "<string name='filter_type' value='cubic'/>"), "expected trilinear or nearest"},
           {grid(file("a.vol") + "<string name='wrap_mode' value='clam'/>"), "did you mean 'clamp'?"},
           {grid(file("a.vol") + "<string name='grid_name' value='x'/>"), "is set for a .vol file"},

@@ -42,7 +42,7 @@ TEST_CASE("media: grids of Nori fill the shape unless they have a transform") {
     return *only_medium(d).density;
   };
   const Grid direct = density(file("a.nvdb") + "<string name='gridName' value='density'/>");
-  CHECK((direct.fit_to_shape && direct.grid == "density" && direct.format == Grid::Format::kNanoVdb));
+  CHECK((direct.fit_to_shape && direct.grid == "density" && direct.format == Grid::Format::kSparse));
   CHECK(density(volume("density", "nanovdb", file("a.nvdb"))).fit_to_shape);
   CHECK(density(volume("density", "vol", file("a.vol"))).format == Grid::Format::kVol);
   CHECK_FALSE(density(volume("density", "gridvolume", file("a.vol") + "<transform name='toWorld'/>")).fit_to_shape);
@@ -90,7 +90,8 @@ TEST_CASE("media: errors in Nori scenes have line and nearest name") {
           {nori_mesh(medium("heterogeneous", "")), "needs the <volume> 'density' or the string 'filename'"},
           {nori_mesh(medium("heterogeneous", file("a.vol") + volume("density", "vol", file("a.vol")))),
            "is set together with the <volume> 'density'"},
-          {nori_mesh(medium("heterogeneous", volume("density", "nanovdb", file("a.vol")))), "expected a .nvdb file"},
+          {nori_mesh(medium("heterogeneous", volume("density", "nanovdb", file("a.vol")))),
+           "expected a .nvdb or .vdb file"},
           {nori_mesh(medium("heterogeneous", volume("density", "vol", file("a.nvdb")))), "expected a .vol file"},
           {nori_mesh(medium("heterogeneous", volume("density", "vol",
                                                     file("a.vol") + "<transform name='toWorld'/>"

@@ -1,5 +1,6 @@
 // NanoVDB files: round trips in every precision and compression, and errors for damaged files.
 #include "scene/compile/media/load_volume.h"
+#include "scene/formats/blosc.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/support/files/deflate.h"
 #include "tests/support/files/mesh_files.h"
@@ -47,7 +48,7 @@ struct Written {
 BrickGrid read(const std::string& bytes, const std::string& grid = "") {
   const TemporaryFile file("cloud.nvdb", bytes);
   GridVolumeDescription description;
-  description.format = GridVolumeDescription::Format::kNanoVdb;
+  description.format = GridVolumeDescription::Format::kSparse;
   description.file = file.path();
   description.grid = grid;
   return load_volume(description, {});
@@ -79,7 +80,7 @@ float largest_difference(BrickGrid a, BrickGrid b) {
 
 TEST_CASE("nanovdb: floats and vectors are read exactly with every compression") {
   std::vector<NanoVdbCodec> codecs{NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip};
-  if (has_nanovdb_blosc()) codecs.push_back(NanoVdbCodec::kBlosc);
+  if (has_blosc()) codecs.push_back(NanoVdbCodec::kBlosc);
   for (const int channels : {1, 3})
     for (const NanoVdbCodec codec : codecs) {
       Written w;
@@ -116,7 +117,7 @@ TEST_CASE("nanovdb: grids are found by name and unknown names suggest the neares
                  "no grid 'densty' (the file holds 'density', 'heat'), did you mean 'density'?"));
   const TemporaryFile file("cloud.nvdb", bytes + bytes);  // two segments
   GridVolumeDescription description;
-  description.format = GridVolumeDescription::Format::kNanoVdb;
+  description.format = GridVolumeDescription::Format::kSparse;
   description.file = file.path();
   description.grid = "heat";
   CHECK(load_volume(description, {"scene.xml", 3}).max_value() == 1.0f);
@@ -138,18 +139,17 @@ TEST_CASE("nanovdb: grids that are not fog volumes are errors") {
   std::string bytes = Written{}.bytes();
   const std::size_t grid = bytes.find("NanoVDB0", 8);
   REQUIRE(grid != bytes.npos);
-  bytes[grid + 636] = 4;
-  CHECK(contains(error_in(bytes), "expected values of type float, Fp4, Fp8, Fp16, FpN or Vec3f, found type int32"));
+  bytes[grid + 636] = 8;
+  CHECK(contains(
+      error_in(bytes),
+      "expected values of type float, Fp4, Fp8, Fp16, FpN, double, an integer, Vec3f or Vec3d, found type Mask"));
   bytes[grid + 639] = 9;
-  CHECK(contains(error_in(bytes), "found type 150994948"));
+  CHECK(contains(error_in(bytes), "found type 150994952"));
 }
 
 TEST_CASE("nanovdb: files of other formats are errors") {
   CHECK(contains(error_in(""), "begins with the letters NanoVDB0"));
   CHECK(contains(error_in("PLY and more"), "begins with the letters NanoVDB0"));
-  const std::string vdb = std::string("\x20\x42\x44\x56\0\0\0\0\xe0\0\0\0", 12) + "more";
-  CHECK(contains(error_in(vdb), "an OpenVDB file"));
-  CHECK(contains(error_in(vdb), "nanovdb_convert"));
   std::string bytes = Written{}.bytes();
   bytes[11] = 3;  // 0x03 << 24 is major 24
   CHECK(contains(error_in(bytes), "of NanoVDB's format, found 24"));
@@ -181,7 +181,7 @@ TEST_CASE("nanovdb: sizes that the file cannot hold are errors and not allocatio
 
 TEST_CASE("nanovdb: every truncation is an error") {
   for (const NanoVdbCodec codec : {NanoVdbCodec::kUncompressed, NanoVdbCodec::kZip, NanoVdbCodec::kBlosc}) {
-    if (codec == NanoVdbCodec::kBlosc && !has_nanovdb_blosc()) continue;
+    if (codec == NanoVdbCodec::kBlosc && !has_blosc()) continue;
     Written w;
     w.codec = codec;
     const std::string valid = w.bytes();

@@ -198,6 +198,19 @@ TEST_CASE("definitions: unused names of -D are errors") {
   CHECK(definitions.substitute("$size", {}, fail) == "2");
 }
 
+TEST_CASE("definitions: the number of a frame may have a number of digits") {
+  const auto fail = [](const SceneError& error) { throw SceneError(error); };
+  const auto replaced = [&](const std::string& text, const std::string& frame) {
+    return Definitions({{"frame", frame}, {"other", "7"}}).substitute(text, {}, fail);
+  };
+  CHECK(replaced("a_$frame4.vdb", "12") == "a_0012.vdb");
+  CHECK(replaced("$frame1_$frame2_$frame9", "12") == "12_12_000000012");
+  CHECK(replaced("$frame4", "123456") == "123456");
+  CHECK(replaced("$frame0 $frame $other4", "12") == "120 12 74");
+  for (const char* const value : {"-3", "1.5", "", "a"}) CHECK(replaced("$frame4", value) == std::string(value) + "4");
+  CHECK(Definitions({{"frame", "1"}, {"frame4", "x"}}).substitute("$frame4", {}, fail) == "x");
+}
+
 TEST_CASE("expressions in XML: attributes of all elements") {
   const auto radius = [](const std::string& inside, const ReadOptions& options = {}) {
     return radius_of(read_text(mitsuba_scene(inside), options));
