@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
-#include "scene/dialects/file_contents.h"
+#include "scene/dialects/common/file_contents.h"
 #include "scene/dialects/model/model_view.h"
 #include "scene/xml/xml_expand.h"
 

@@ -4,7 +4,7 @@
 #include "core/image/exr.h"
 #include "scene/compile/compile.h"
 #include "scene/description.h"
-#include "scene/dialects/file_contents.h"
+#include "scene/dialects/common/file_contents.h"
 #include "tools/cli/file_formats.h"
 
 #include <string>
