@@ -54,7 +54,7 @@ constexpr std::array kKnown = {
     KnownFormat{FileUse::kScenePart, "a Mitsuba volume", {"VOL\x03"sv}, {".vol"}},
     KnownFormat{FileUse::kScenePart, "a material library", {}, {".mtl"}},
     KnownFormat{FileUse::kScenePart, "a spectrum", {}, {".spd"}},
-    KnownFormat{FileUse::kScenePart, "a measured material", {"tensor_file"sv}, {".bsdf"}},
+    KnownFormat{FileUse::kScenePart, "a measured material", {"tensor_file"sv}, {".bsdf", ".pbsdf"}},
     KnownFormat{FileUse::kScenePart, "a hair file", {"BINARY_HAIR"sv}, {".hair"}},
     KnownFormat{FileUse::kArchive, "a ZIP archive", {"PK\x03\x04"sv}, {".zip"}},
     KnownFormat{FileUse::kArchive, "an archive", {"7z\xbc\xaf"sv, "Rar!"sv}, {".7z", ".rar", ".tar", ".tgz"}},

@@ -129,6 +129,23 @@ std::vector<float> TensorFile::floats(const std::string& name) const {
   return result;
 }
 
+std::vector<float> TensorFile::every_nth_float(const std::string& name, std::size_t n) const {
+  const Field& found = field(name, Type::kFloat32);
+  std::vector<float> result((found.count + n - 1) / n);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] =
+        std::bit_cast<float>(little_endian<std::uint32_t>(content_.data() + found.offset + i * n * sizeof(float)));
+  return result;
+}
+
+std::vector<std::uint16_t> TensorFile::shorts(const std::string& name) const {
+  const Field& found = field(name, Type::kUint16);
+  std::vector<std::uint16_t> result(found.count);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = little_endian<std::uint16_t>(content_.data() + found.offset + i * sizeof(std::uint16_t));
+  return result;
+}
+
 std::span<const char> TensorFile::bytes(const std::string& name) const {
   const Field& found = field(name, Type::kUint8);
   return {content_.data() + found.offset, found.count};

@@ -22,7 +22,7 @@ namespace sheaf {
 ///   - a uint64 per dimension, the slowest first.
 class TensorFile {
  public:
-  enum class Type : std::uint8_t { kUint8 = 1, kFloat32 = 10 };
+  enum class Type : std::uint8_t { kUint8 = 1, kUint16 = 3, kFloat32 = 10 };
   /// Dimensions of a field; at most kMaxDimensions.
   using Shape = std::vector<std::uint64_t>;
   static constexpr std::size_t kMaxDimensions = 16, kMaxFields = 1024;
@@ -37,6 +37,10 @@ class TensorFile {
   const Shape& shape(const std::string& name, std::size_t dimensions) const;
   /// Returns the numbers of a float32 field, all finite. Throws SceneError.
   std::vector<float> floats(const std::string& name) const;
+  /// Returns the numbers 0, n, 2 n, ... of a float32 field, which need not be finite. Throws SceneError.
+  std::vector<float> every_nth_float(const std::string& name, std::size_t n) const;
+  /// Returns the numbers of a uint16 field. Throws SceneError.
+  std::vector<std::uint16_t> shorts(const std::string& name) const;
   /// Returns the bytes of a uint8 field. Throws SceneError.
   std::span<const char> bytes(const std::string& name) const;
 

@@ -47,17 +47,35 @@ std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
 /// Rec.709 color of D65 at a wavelength, up to a factor.
 Vec3f daylight_rgb(float lambda) { return xyz_to_rec709(cie_1931_xyz(lambda)) * cie_d65(lambda); }
 
+/// A table under construction: the tag, a header, and blocks of data.
+template <template <class> class Head> class TableBuilder {
+ public:
+  Head<Scalar> head;
+
+  /// Appends data. Returns the number of its first block.
+  float append(const std::vector<float>& part) {
+    table_.resize((table_.size() + kTableBlock - 1) / kTableBlock * kTableBlock);
+    const std::size_t block = table_.size() / kTableBlock;
+    if (block >= kMaxTableBlocks) throw SceneError("the tables of the BRDF are too large");
+    table_.insert(table_.end(), part.begin(), part.end());
+    return static_cast<float>(block);
+  }
+
+  std::vector<float> finish(TableTag tag) {
+    table_[0] = bits(tag);
+    std::size_t k = 1;
+    std::apply([&](const auto&... leaf) { ((table_[k++] = leaf), ...); }, leaves(head));
+    return std::move(table_);
+  }
+
+ private:
+  std::vector<float> table_ = std::vector<float>(1 + std::size_t{kLeafCount<Head>});
+};
+
 /// Makes a measured BRDF's table, including the tag.
 std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
-  MeasuredHead<Scalar> head;
-  std::vector<float> table(1 + std::size_t{kLeafCount<MeasuredHead>});
-  const auto append = [&table](const std::vector<float>& part) {
-    table.resize((table.size() + kTableBlock - 1) / kTableBlock * kTableBlock);
-    const std::size_t block = table.size() / kTableBlock;
-    if (block >= kMaxTableBlocks) throw SceneError("the tables of the BRDF are too large");
-    table.insert(table.end(), part.begin(), part.end());
-    return static_cast<float>(block);
-  };
+  TableBuilder<MeasuredHead> table;
+  MeasuredHead<Scalar>& head = table.head;
   head.phi_count = static_cast<float>(brdf.phi.size());
   head.theta_count = static_cast<float>(brdf.theta.size());
   head.isotropic = brdf.isotropic() ? 1.0f : 0.0f;
@@ -73,49 +91,73 @@ std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
   sides(brdf.luminance, head.sample_width, head.sample_height);
   head.channels = static_cast<float>(brdf.channels);
   // Append the data, with cdfs for sampling
-  head.phi_block = append(brdf.phi);
-  head.theta_block = append(brdf.theta);
-  head.ndf_block = append(brdf.ndf.values);
-  head.sigma_block = append(brdf.sigma.values);
-  head.vndf_block = append(make_warps(brdf.vndf));
-  head.luminance_block = append(make_warps(brdf.luminance));
-  head.value_block = append(brdf.values.values);
-  // Write the head
-  table[0] = bits(TableTag::kMeasured);
-  std::size_t k = 1;
-  std::apply([&](const auto&... leaf) { ((table[k++] = leaf), ...); }, leaves(head));
-  return table;
+  head.phi_block = table.append(brdf.phi);
+  head.theta_block = table.append(brdf.theta);
+  head.ndf_block = table.append(brdf.ndf.values);
+  head.sigma_block = table.append(brdf.sigma.values);
+  head.vndf_block = table.append(make_warps(brdf.vndf));
+  head.luminance_block = table.append(make_warps(brdf.luminance));
+  head.value_block = table.append(brdf.values.values);
+  return table.finish(TableTag::kMeasured);
 }
 
-}  // namespace
-
-void make_rgb(MeasuredBrdf& brdf) {
+/// Converts the values of slices that hold a grid of `size` values per wavelength to colors.
+std::vector<float> values_to_rgb(const std::vector<float>& spectra, const std::vector<float>& wavelengths,
+                                 std::size_t size) {
   // Weight of each channel in red, green and blue: the integral of the hat function around its wavelength.
-  const std::vector<float> positions = wavelength_positions(brdf.wavelengths);
+  const std::size_t channels = wavelengths.size();
+  const std::vector<float> positions = wavelength_positions(wavelengths);
   std::vector<double> fraction[3], total(3, 0.0);
-  for (auto& list : fraction) list.resize(brdf.channels);
+  for (auto& list : fraction) list.resize(channels);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3f rgb = daylight_rgb(kWavelengthMin + static_cast<float>(i));
-    const auto low = static_cast<std::size_t>(positions[i]), high = std::min(low + 1, brdf.channels - 1);
+    const auto low = static_cast<std::size_t>(positions[i]), high = std::min(low + 1, channels - 1);
     const double t = double(positions[i]) - double(low), c[3] = {double(rgb.x), double(rgb.y), double(rgb.z)};
     for (std::size_t k = 0; k < 3; ++k) {
       fraction[k][low] += (1 - t) * c[k], fraction[k][high] += t * c[k];
       total[k] += c[k];
     }
   }
-  const std::size_t size = brdf.values.width * brdf.values.height, in = brdf.channels * size;
-  std::vector<float> values(brdf.phi.size() * brdf.theta.size() * 3 * size);
-  for (std::size_t slice = 0; slice < brdf.phi.size() * brdf.theta.size(); ++slice)
+  const std::size_t in = channels * size, slices = spectra.size() / in;
+  std::vector<float> values(slices * 3 * size);
+  for (std::size_t slice = 0; slice < slices; ++slice)
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t i = 0; i < size; ++i) {
         double sum = 0;
-        for (std::size_t c = 0; c < brdf.channels; ++c)
-          sum += fraction[k][c] * double(brdf.values.values[slice * in + c * size + i]);
+        for (std::size_t c = 0; c < channels; ++c) sum += fraction[k][c] * double(spectra[slice * in + c * size + i]);
         values[(slice * 3 + k) * size + i] = static_cast<float>(std::max(sum / total[k], 0.0));
       }
-  brdf.values.values = std::move(values);
+  return values;
+}
+
+}  // namespace
+
+void make_rgb(MeasuredBrdf& brdf) {
+  brdf.values.values = values_to_rgb(brdf.values.values, brdf.wavelengths, brdf.values.width * brdf.values.height);
   brdf.channels = 3;
   brdf.wavelengths.clear();
+}
+
+void make_rgb(PolarizedBrdf& brdf) {
+  brdf.values = values_to_rgb(brdf.values, brdf.wavelengths, brdf.theta_d.size() * brdf.theta_h.size());
+  brdf.channels = 3;
+  brdf.wavelengths.clear();
+}
+
+void select_wavelength(PolarizedBrdf& brdf, float wavelength) {
+  const std::vector<float>& nm = brdf.wavelengths;
+  const float inside = std::clamp(wavelength, nm.front(), nm.back());
+  const auto high = static_cast<std::size_t>(std::lower_bound(nm.begin(), nm.end(), inside) - nm.begin());
+  const std::size_t low = high == 0 ? 0 : high - 1, size = brdf.theta_d.size() * brdf.theta_h.size();
+  const float t = high == low ? 0 : (inside - nm[low]) / (nm[high] - nm[low]);
+  std::vector<float> values(brdf.phi_d.size() * size);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const float* const slice = brdf.values.data() + i / size * brdf.channels * size + i % size;
+    values[i] = (1 - t) * slice[low * size] + t * slice[high * size];
+  }
+  brdf.values = std::move(values);
+  brdf.wavelengths = {wavelength};
+  brdf.channels = 1;
 }
 
 std::vector<float> wavelength_positions(const std::vector<float>& wavelengths) {
@@ -141,6 +183,33 @@ const ClosureTables::Measured& ClosureTables::measured(const std::filesystem::pa
 }
 
 float ClosureTables::measured(const MeasuredBrdf& brdf) { return add(make_measured_table(brdf)); }
+
+const ClosureTables::Measured& ClosureTables::polarized(const std::filesystem::path& file, float alpha_sample,
+                                                        float wavelength, bool spectral) {
+  const std::string key = fmt::format("{} {} {}", alpha_sample, wavelength, file.string());
+  const auto known = known_.find(key);
+  if (known != known_.end()) return known->second;
+  PolarizedBrdf brdf = read_polarized_brdf(file);
+  if (wavelength >= 0.0f) select_wavelength(brdf, wavelength);
+  if (!spectral) make_rgb(brdf);
+  Measured out{polarized(brdf, alpha_sample), true, brdf.wavelengths};
+  return known_.emplace(key, std::move(out)).first->second;
+}
+
+float ClosureTables::polarized(const PolarizedBrdf& brdf, float alpha_sample) {
+  TableBuilder<HalfAngleHead> table;
+  HalfAngleHead<Scalar>& head = table.head;
+  head.alpha = alpha_sample;
+  head.phi_count = static_cast<float>(brdf.phi_d.size());
+  head.theta_d_count = static_cast<float>(brdf.theta_d.size());
+  head.theta_h_count = static_cast<float>(brdf.theta_h.size());
+  head.channels = static_cast<float>(brdf.channels);
+  head.phi_block = table.append(brdf.phi_d);
+  head.theta_d_block = table.append(brdf.theta_d);
+  head.theta_h_block = table.append(brdf.theta_h);
+  head.value_block = table.append(brdf.values);
+  return add(table.finish(TableTag::kHalfAngle));
+}
 
 float ClosureTables::phase(std::span<const float> values) {
   const std::size_t n = values.size();

@@ -9,8 +9,19 @@ namespace sheaf {
 
 MeasuredDescription MeasuredDescription::read(Properties& p, const BsdfDialect&) { return {p.file("filename")}; }
 
+MeasuredDescription MeasuredDescription::read_polarized(Properties& p, const BsdfDialect&) {
+  MeasuredDescription result{p.file("filename"), true};
+  result.alpha_sample = p.number("alpha_sample", result.alpha_sample, kPositive);
+  result.wavelength = p.number("wavelength", result.wavelength);
+  note_polarization(p);
+  return result;
+}
+
 MaterialRow MeasuredDescription::make_row(RowContext& context) const {
-  const ClosureTables::Measured& measured = context.tables.measured(file, context.set != nullptr);
+  const bool is_spectral = context.set != nullptr;
+  const ClosureTables::Measured& measured = is_polarized
+                                                ? context.tables.polarized(file, alpha_sample, wavelength, is_spectral)
+                                                : context.tables.measured(file, is_spectral);
   const auto with_flags = [&](MaterialRow row) {
     if (!measured.isotropic) row.flags |= kNeedsUv;
     return row;

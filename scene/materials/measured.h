@@ -28,14 +28,19 @@ struct MeasuredSpectralClosure : ClosureOf<MeasuredSpectralParameters> {
   static constexpr ClosureInfo kInfo = {.name = "measured_spectral"};
 };
 
-/// A measured BRDF in the file format of Dupuy and Jakob 2018.
+/// A measured BRDF in the file format of Dupuy and Jakob 2018, or the unpolarized part of one of Baek et al. 2020.
 struct MeasuredDescription {
   std::filesystem::path file;  ///< resolved path
+  bool is_polarized = false;   ///< the file is one of Baek et al. 2020
+  float alpha_sample = 0.1f;   ///< polarized: roughness of the microfacets that samples follow
+  float wavelength = -1;       ///< polarized: nm, the only wavelength that counts; negative: all
 
   using Closures = ClosureList<MeasuredClosure, MeasuredSpectralClosure>;
   static MeasuredDescription read(Properties& p, const BsdfDialect& dialect);
-  static constexpr Plugin<MeasuredDescription> kPlugins[] = {{"measured", read}};
-  static constexpr auto fields(auto& s) { return std::tie(s.file); }
+  static MeasuredDescription read_polarized(Properties& p, const BsdfDialect& dialect);
+  static constexpr Plugin<MeasuredDescription> kPlugins[] = {{"measured", read},
+                                                             {"measured_polarized", read_polarized}};
+  static constexpr auto fields(auto& s) { return std::tie(s.file, s.is_polarized, s.alpha_sample, s.wavelength); }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kFirstTable = 1;
 inline constexpr std::uint32_t kMaxTableBlocks = 1u << 24;
 
 /// First words of tables, as bits; none is a finite float.
-enum class TableTag : std::uint32_t { kMeasured = 0x7fc01001u, kPhase = 0x7fc01002u };
+enum class TableTag : std::uint32_t { kMeasured = 0x7fc01001u, kPhase = 0x7fc01002u, kHalfAngle = 0x7fc01003u };
 
 /// The start of each lane's table.
 template <class L> struct FoundTable {
@@ -70,6 +70,19 @@ template <class L> struct MeasuredHead {
                     s.sigma_width, s.sigma_height, s.vndf_width, s.vndf_height, s.sample_width, s.sample_height,
                     s.channels, s.phi_block, s.theta_block, s.ndf_block, s.sigma_block, s.vndf_block, s.luminance_block,
                     s.value_block);
+  }
+};
+
+/// Header of the table of an isotropic BRDF over the half and difference angles of Rusinkiewicz 1998, after the tag.
+template <class L> struct HalfAngleHead {
+  typename L::Float alpha;                                    ///< roughness of the GGX distribution that samples follow
+  typename L::Float phi_count, theta_d_count, theta_h_count;  ///< number of angles, at least 2
+  typename L::Float channels;                                 ///< 3, or one per wavelength
+  typename L::Float phi_block, theta_d_block, theta_h_block;  ///< the angles
+  typename L::Float value_block;                              ///< values as in PolarizedBrdf
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.alpha, s.phi_count, s.theta_d_count, s.theta_h_count, s.channels, s.phi_block, s.theta_d_block,
+                    s.theta_h_block, s.value_block);
   }
 };
 

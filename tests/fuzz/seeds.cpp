@@ -291,6 +291,18 @@ void add_measured(Seeds& seeds) {
     for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<float>(i) * 0.25f;
     return Field{std::move(name), 10, std::move(shape), raw(values)};
   };
+  const auto add = [&](const std::vector<Field>& fields) {
+    std::string bytes("tensor_file\0\1\0", 14), data;
+    bytes += raw(static_cast<std::uint32_t>(fields.size()));
+    std::uint64_t offset = bytes.size();
+    for (const Field& f : fields) offset += 13 + f.name.size() + 8 * f.shape.size();
+    for (const Field& f : fields) {
+      bytes += raw(static_cast<std::uint16_t>(f.name.size())) + f.name +
+               raw(static_cast<std::uint16_t>(f.shape.size())) + raw(f.type) + raw(offset + data.size()) + raw(f.shape);
+      data += f.bytes;
+    }
+    seeds.add("measured", bytes + data);
+  };
   for (const bool spectral : {false, true}) {
     std::vector<Field> fields = {floats("phi_i", {1}, 1),
                                  floats("theta_i", {2}, 2),
@@ -304,18 +316,14 @@ void add_measured(Seeds& seeds) {
       fields[6] = floats("spectra", {1, 2, 2, 2, 2}, 16);
       fields.push_back({"wavelengths", 10, {2}, raw(std::vector<float>{400, 700})});
     }
-    std::string bytes("tensor_file\0\1\0", 14), data;
-    bytes += raw(static_cast<std::uint32_t>(fields.size()));
-    std::uint64_t offset = bytes.size();
-    for (const Field& f : fields) offset += 13 + f.name.size() + 8 * f.shape.size();
-    for (const Field& f : fields) {
-      bytes += raw(static_cast<std::uint16_t>(f.name.size())) + f.name +
-               raw(static_cast<std::uint16_t>(f.shape.size())) + raw(f.type) + raw(offset + data.size()) + raw(f.shape);
-      data += f.bytes;
-    }
-    seeds.add("measured", bytes + data);
+    add(fields);
   }
-  seeds.add_words("measured", {"scene/formats/measured_file"});
+  add({floats("phi_d", {1, 2}, 2),
+       floats("theta_d", {1, 2}, 2),
+       floats("theta_h", {1, 2}, 2),
+       {"wvls", 3, {2}, raw(std::vector<std::uint16_t>{450, 650})},
+       floats("M", {2, 2, 2, 2, 4, 4}, 256)});
+  seeds.add_words("measured", {"scene/formats/measured_file", "scene/formats/polarized_brdf"});
 }
 
 void add_curves(Seeds& seeds) {

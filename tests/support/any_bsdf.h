@@ -47,7 +47,7 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   if constexpr (kIsPhaseFunction<Bsdf<Scalar>> && kHasTables<Bsdf<Scalar>>)
     bsdf.table = any_tables().phase[i % 2];
   else if constexpr (kHasTables<Bsdf<Scalar>>)
-    bsdf.table = any_tables().measured[i % 3];
+    bsdf.table = any_tables().measured[i % 4];
   if constexpr (std::is_base_of_v<CoatedParameters<Scalar>, Bsdf<Scalar>>) {
     bsdf.coat_eta = eta;
     // The first choice is a rough metal: it has a lobe, a pdf and all of its spectra.

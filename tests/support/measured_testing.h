@@ -168,6 +168,44 @@ inline std::vector<TensorField> measured_fields(const MeasuredBrdf& b) {
   return fields;
 }
 
+/// The unpolarized part of a polarimetric BRDF: a function of phi_d, theta_d, theta_h and the channel.
+template <class F>
+PolarizedBrdf tabulate_polarized(std::size_t phis, std::size_t thetas, std::vector<float> wavelengths, F&& f) {
+  PolarizedBrdf out;
+  const auto angles = [](std::size_t count, double first, double last) {
+    std::vector<float> list;
+    for (std::size_t i = 0; i < count; ++i)
+      list.push_back(static_cast<float>(first + (last - first) * double(i) / double(count - 1)));
+    return list;
+  };
+  out.phi_d = angles(phis, -kPi, kPi);
+  out.theta_d = out.theta_h = angles(thetas, 0, kPi / 2);
+  out.wavelengths = std::move(wavelengths);
+  out.channels = out.wavelengths.empty() ? 3 : out.wavelengths.size();
+  for (const float phi_d : out.phi_d)
+    for (std::size_t channel = 0; channel < out.channels; ++channel)
+      for (const float theta_d : out.theta_d)
+        for (const float theta_h : out.theta_h)
+          out.values.push_back(static_cast<float>(f(double(phi_d), double(theta_d), double(theta_h), channel)));
+  return out;
+}
+
+/// The fields of its file. All other elements of the Mueller matrices are `rest`.
+inline std::vector<TensorField> polarized_fields(const PolarizedBrdf& b, float rest = 7) {
+  const std::uint64_t p = b.phi_d.size(), d = b.theta_d.size(), h = b.theta_h.size(), n = b.channels;
+  std::vector<float> matrices(p * d * h * n * 16, rest);
+  for (std::uint64_t i = 0; i < p * d * h * n; ++i)
+    matrices[16 * i] = b.values[(i / (d * h * n) * n + i % n) * d * h + i / n % (d * h)];
+  std::string nm;
+  for (const float wavelength : b.wavelengths) {
+    const auto number = static_cast<std::uint16_t>(wavelength);
+    nm.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  return {tensor_field("phi_d", {1, p}, b.phi_d), tensor_field("theta_d", {1, d}, b.theta_d),
+          tensor_field("theta_h", {1, h}, b.theta_h), TensorField{"wvls", 3, {n}, nm},
+          tensor_field("M", {p, d, h, n, 4, 4}, matrices)};
+}
+
 /// Azimuths over the whole circle, a half or a quarter of it, as in measured BRDF files.
 inline std::vector<float> azimuths(int count, int reduction) {
   std::vector<float> out;
@@ -178,7 +216,7 @@ inline std::vector<float> azimuths(int count, int reduction) {
 /// Tables for any closure that needs some, and the words that refer to them.
 struct AnyTables {
   std::vector<float> floats;
-  std::array<float, 3> measured;
+  std::array<float, 4> measured;
   std::array<float, 2> phase;
 };
 inline const AnyTables& any_tables() {
@@ -192,7 +230,13 @@ inline const AnyTables& any_tables() {
           .tabulate();
     };
     out.measured = {tables.measured(facets(0.7, {0})), tables.measured(facets(0.5, azimuths(3, 4))),
-                    tables.measured(facets(0.5, azimuths(4, 2)))};
+                    tables.measured(facets(0.5, azimuths(4, 2))),
+                    tables.polarized(tabulate_polarized(3, 3, {},
+                                                        [](double phi, double d, double h, std::size_t channel) {
+                                                          return 0.1 + 0.02 * std::cos(phi) * h + 0.05 * d +
+                                                                 0.03 * double(channel);
+                                                        }),
+                                     0.4f)};
     out.phase = {tables.phase(std::vector<float>{1.0f, 0.5f, 0.0f, 2.0f, 8.0f}),
                  tables.phase(std::vector<float>{0.3f, 0.7f})};
     out.floats = tables.take();
