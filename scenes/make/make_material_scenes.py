@@ -107,18 +107,41 @@ def front_lights():
 """
 
 
+# Lamps that light the balls of some strips, each one ball: the half width of its cone in degrees; and the beginning of the
+# names of the strips, where the lamps stand relative to a ball, and their intensity.
+LAMP_CONE = 2.6
+LAMPS = [("sheen", [(-5, 6.5, -5.7), (5, 6.5, -5.7)], 700), ("clearcoat", [(-4.5, 5.5, 7)], 900)]
+
+
+def strip_lamps(rows):
+    """[(position, target, intensity)] of the lamps of all strips."""
+    lamps = []
+    for r, (name, _) in enumerate(rows):
+        x, y = strip_place(r, len(rows))
+        for prefix, offsets, intensity in LAMPS:
+            if name.startswith(prefix):
+                lamps += [((x + PITCH * i + dx, y + dy, dz), (x + PITCH * i, y, 0), intensity)
+                          for i in range(len(STEPS)) for dx, dy, dz in offsets]
+    return lamps
+
+
+DARK_RED = "0.02, 0.004, 0.003"
 PARAMETER_ROWS = [
     ("metallic", {"roughness": 0.3}),
     ("roughness", {"metallic": 1}),
     ("specular", {"roughness": 0.2}),
     ("spec_tint", {"roughness": 0.2, "specular": 1}),
     ("anisotropic", {"metallic": 1, "roughness": 0.45}),
-    ("sheen", {"roughness": 1, "specular": 0, "base_color": "0.05, 0.01, 0.008"}),
-    ("sheen_tint", {"roughness": 1, "specular": 0, "sheen": 1, "base_color": "0.05, 0.01, 0.008"}),
-    ("clearcoat", {"roughness": 0.7, "clearcoat_gloss": 0.9}),
-    ("clearcoat_gloss", {"roughness": 0.7, "clearcoat": 1}),
+    ("sheen", {"roughness": 1, "specular": 0, "base_color": DARK_RED}),
+    ("sheen_tint", {"roughness": 1, "specular": 0, "sheen": 1, "base_color": DARK_RED}),
+    ("clearcoat", {"roughness": 1, "specular": 0, "clearcoat_gloss": 0.4, "base_color": DARK_RED}),
+    ("clearcoat_gloss", {"roughness": 1, "specular": 0, "clearcoat": 1, "base_color": DARK_RED}),
     ("spec_trans", {"roughness": 0.05}),
 ]
+
+
+def vector(values):
+    return ", ".join(f"{value:g}" for value in values)
 
 
 def make_parameter_rows():
@@ -133,6 +156,13 @@ def make_parameter_rows():
             bsdf = (f'    <bsdf type="principled">\n'
                     f'      <rgb name="base_color" value="{values["base_color"]}"/>\n{floats}    </bsdf>\n')
             parts.append(ball(x + PITCH * i, y, 0, RADIUS, bsdf))
+    for position, target, intensity in strip_lamps(PARAMETER_ROWS):
+        parts.append(f"""  <emitter type="spot">
+    <transform name="to_world"><lookat origin="{vector(position)}" target="{vector(target)}" up="0, 0, 1"/></transform>
+    <rgb name="intensity" value="{intensity}"/>
+    <float name="cutoff_angle" value="{LAMP_CONE}"/> <float name="beam_width" value="{LAMP_CONE}"/>
+  </emitter>
+""")
     write_scene(MATERIALS / "principled.xml",
                 "Principled BSDF: a strip of balls per parameter, from 0 (left) to 1 (right).",
                 SCRIPT, view.sensor(), front_lights(), *parts)
@@ -143,7 +173,8 @@ NORI_ROWS = [
     ("specularTint", {"roughness": 0.2, "specular": 1}), ("roughness", {"metallic": 1}),
     ("anisotropic", {"metallic": 1, "roughness": 0.45}), ("sheen", {"roughness": 1, "specular": 0, "dark": 1}),
     ("sheenTint", {"roughness": 1, "specular": 0, "sheen": 1, "dark": 1}),
-    ("clearcoat", {"roughness": 0.7}), ("clearcoatGloss", {"roughness": 0.7, "clearcoat": 1}),
+    ("clearcoat", {"roughness": 1, "specular": 0, "clearcoatGloss": 0.4, "dark": 1}),
+    ("clearcoatGloss", {"roughness": 1, "specular": 0, "clearcoat": 1, "dark": 1}),
 ]
 
 
@@ -154,7 +185,7 @@ def make_disney_rows():
         x, y = strip_place(r, len(NORI_ROWS))
         for i, value in enumerate(STEPS):
             values = extra | {name: value}
-            color = "0.01, 0.02, 0.05" if values.pop("dark", 0) else "0.12, 0.35, 0.60"
+            color = "0.004, 0.01, 0.03" if values.pop("dark", 0) else "0.12, 0.35, 0.60"
             floats = "".join(f'      <float name="{k}" value="{v:g}"/>\n' for k, v in values.items())
             parts.append(f'''  <mesh type="sphere">
     <point name="center" value="{x + PITCH * i:g}, {y:g}, 0"/>
@@ -163,6 +194,13 @@ def make_disney_rows():
       <color name="baseColor" value="{color}"/>
 {floats}    </bsdf>
   </mesh>
+''')
+    for position, target, intensity in strip_lamps(NORI_ROWS):
+        parts.append(f'''  <emitter type="spot">
+    <point name="position" value="{vector(position)}"/> <point name="lookAt" value="{vector(target)}"/>
+    <color name="intensity" value="{vector([intensity] * 3)}"/>
+    <float name="totalWidth" value="{LAMP_CONE}"/> <float name="falloffStart" value="{LAMP_CONE}"/>
+  </emitter>
 ''')
     light = '''  <mesh type="sphere">
     <point name="center" value="{0}"/>
