@@ -94,7 +94,7 @@ void set_axes(const ModelView& view, ModelFrame& frame) {
   frame.floor_normal = view.elevation < 0 ? frame.up : up;
 }
 
-/// FrustumExtents of the model along the axes of the frustum, relative to its center.
+/// Extents of the model along the axes of the frustum, relative to its center.
 struct FrustumExtents {
   std::array<double, 4> sides{};  ///< of x - k z, -x - k z, y - k z and -y - k z, with z along the view
   double nearest = 0, squared_radius = 0, bottom = 0;

@@ -13,8 +13,9 @@ namespace sheaf {
 
 namespace {
 
-/// Dimensions of the backdrop in radii of the model: the floor ends at kFlat behind its center.
-constexpr double kFlat = 1.2, kCurveRadius = 2.5, kWall = kFlat + kCurveRadius, kMinExtent = 8, kMinHeight = 6;
+/// Dimensions of the backdrop in radii of the model: the floor ends at kFlatDepth behind its center.
+constexpr double kFlatDepth = 1.2, kCurveRadius = 2.5, kWall = kFlatDepth + kCurveRadius, kMinExtent = 8,
+                 kMinHeight = 6;
 constexpr int kCurveSteps = 48;
 /// What the backdrop covers, over the field of view: pixel filters reach over the border of the image.
 constexpr double kCover = 1.1;
@@ -69,7 +70,7 @@ struct StudioCamera {
   std::array<double, 2> tangents;
 };
 
-/// BackdropExtents of the backdrop.
+/// Extents of the backdrop.
 struct BackdropExtents {
   double width = kMinExtent, front = kMinExtent, height = kMinHeight;  ///< the first: half of it
 };
@@ -112,7 +113,7 @@ Mesh make_backdrop(const BackdropExtents& extents) {
   add(-extents.front, 0, 0);
   for (int i = 0; i <= kCurveSteps; ++i) {
     const double angle = i * std::numbers::pi / (2 * kCurveSteps);
-    add(kFlat + kCurveRadius * std::sin(angle), kCurveRadius * (1 - std::cos(angle)), angle);
+    add(kFlatDepth + kCurveRadius * std::sin(angle), kCurveRadius * (1 - std::cos(angle)), angle);
   }
   add(kWall, extents.height, std::numbers::pi / 2);
   for (std::uint32_t i = 0; i + 3 < mesh.positions.size(); i += 2) {
@@ -130,9 +131,9 @@ struct StudioLight {
   Vec3d irradiance;            ///< at the center of the model, of a surface that faces the light
 };
 
-constexpr StudioLight kLights[] = {{"key", -50, 42, 3.6, 1.5, {2.3, 2.2, 2.1}},
-                                   {"fill", 65, 20, 3.6, 1.2, {0.45, 0.48, 0.5}},
-                                   {"rim", 160, 68, 3.2, 1.0, {1.2, 1.2, 1.2}}};
+constexpr StudioLight kStudioLights[] = {{"key", -50, 42, 3.6, 1.5, {2.3, 2.2, 2.1}},
+                                         {"fill", 65, 20, 3.6, 1.2, {0.45, 0.48, 0.5}},
+                                         {"rim", 160, 68, 3.2, 1.0, {1.2, 1.2, 1.2}}};
 constexpr float kAmbientRadiance = 0.2f;
 constexpr float kBackdropReflectance = 0.25f;
 
@@ -188,7 +189,7 @@ void add_soft_studio(const ModelFrame& frame, Description& description) {
   backdrop.material = add_two_sided(description, {SpectrumDescription::rgb(kGray, kGray, kGray)});
   backdrop.id = std::string(kStudioPrefix) + "backdrop";
   description.shapes.push_back(std::move(backdrop));
-  for (const StudioLight& light : kLights) add_light(light, space, camera, description);
+  for (const StudioLight& light : kStudioLights) add_light(light, space, camera, description);
   description.lights.push_back({ConstantLightDescription{SpectrumDescription::constant(kAmbientRadiance)},
                                 {},
                                 std::string(kStudioPrefix) + "sky"});
