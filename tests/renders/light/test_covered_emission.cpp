@@ -52,7 +52,9 @@ Image gltf_image(const json& material, float left, float right, bool wall) {
   if (wall) add_square(gltf, -1, 1);
   gltf.json["extensionsUsed"] = {"KHR_materials_unlit"};
   const TemporaryFolder folder;
-  Description d = read_scene(write_below(folder, "model.gltf", gltf.text()), {});
+  ReadOptions alone;
+  alone.surroundings.floor = false;
+  Description d = read_scene(write_below(folder, "model.gltf", gltf.text()), alone);
   d.lights.clear();
   d.film = {};
   d.film.width = d.film.height = 8;
@@ -60,8 +62,6 @@ Image gltf_image(const json& material, float left, float right, bool wall) {
   d.camera.to_world = Transform::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0});
   d.camera.projection = CameraDescription::Projection::kOrthographic;
   d.sampler.sample_count = 64;
-  // Without the floor and the lights that models get
-  std::erase_if(d.shapes, [](const ShapeDescription& shape) { return !std::holds_alternative<Mesh>(shape.geometry); });
   return image_of(d);
 }
 
