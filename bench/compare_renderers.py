@@ -29,10 +29,11 @@ import numpy as np
 from rendering import ROOT
 from renderers import machine, page
 from renderers.errors import Measurement, efficiency_ratio, measure_errors, render_reference, speed_ratio
-from renderers.programs import Mitsuba, Pbrt, RenderError, Scene, Sheaf, mitsuba_versions
+from renderers.programs import Mitsuba, Pbrt, RenderError, Scene, Sheaf, mitsuba_versions, pbrt_version
 
 SCENES = [
     Scene("cornell", ROOT / "scenes/cornell/cornell.xml", {"width": "320", "height": "240"}),
+    Scene("cornell.pbrt", ROOT / "scenes/cornell/cornell.pbrt"),
     Scene("material_room", ROOT / "scenes/material_room/material_room.xml", {"width": "320", "height": "240"}),
     Scene("hall", ROOT / "scenes/hall/hall.xml", {"width": "320", "height": "180"}),
     Scene("gap", ROOT / "scenes/gap/gap.xml", {"width": "320", "height": "213"}),
@@ -62,7 +63,7 @@ class Comparison:
             home.mkdir()
             self.others += [Mitsuba(arguments.mitsuba_python, v, folder, home) for v in arguments.variants]
         if arguments.pbrt:
-            self.versions["pbrt-v4"] = arguments.pbrt
+            self.versions["pbrt-v4"] = pbrt_version(arguments.pbrt)
             self.others.append(Pbrt(arguments.pbrt, folder))
         if not any(isinstance(program, Mitsuba) for program in self.others):
             self.note("Mitsuba is not measured: --mitsuba-python names no Python that has it, or --variants is empty")

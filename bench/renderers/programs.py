@@ -108,6 +108,13 @@ def mitsuba_versions(python, folder):
     return json.loads(launch([python, HERE / "mitsuba_worker.py", "version"], folder)[1].strip().splitlines()[-1])
 
 
+def pbrt_version(program):
+    """The version that pbrt-v4 prints before a render."""
+    printed = subprocess.run([program, "/dev/null"], text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
+    line = next((line for line in printed.splitlines() if "version" in line), "")
+    return line.removeprefix("pbrt version ") or "unknown"
+
+
 class Pbrt:
     name = "pbrt-v4"
 

@@ -16,7 +16,7 @@ struct Continuation {
 
 /// The continuation of `state` by a render with the `requested` settings. If the number of replicates was not
 /// requested, chooses the default or, if the checkpoint has sets of another size, one that continues these sets. If the
-/// checkpoint had a time limit and there is none now, takes all samples adaptively.
+/// checkpoint had a time limit but the request has none, takes all samples adaptively.
 Continuation continue_from(const RenderSettings& requested, const RenderState& state);
 
 }  // namespace sheaf

@@ -20,7 +20,7 @@ constexpr std::size_t kMaxListed = 24;
 constexpr std::array<std::array<const char*, 4>, 5> kEndings = {
     {{"R", "G", "B", "A"}, {"r", "g", "b", "a"}, {"X", "Y", "Z", ""}, {"U", "V", "", ""}, {"u", "v", "", ""}}};
 
-/// Whether the channels of an AOV are a picture. Those of Cryptomatte are ids, as of any other file.
+/// Whether the channels of an AOV can be shown as an image. Those of Cryptomatte are ids.
 bool is_picture(const AovEntry& aov) { return !aov.name.starts_with("cryptomatte"); }
 
 const AovEntry* find_aov(const Image& image, std::string_view name) {
