@@ -111,9 +111,10 @@ void check_caustics(const IntegratorSettings& integrator) {
 void check_clamp(const RenderSettings& settings) {
   const IntegratorTraits& traits = settings.integrator.traits();
   if (settings.clamp_indirect == kInfinity || traits.follows_camera_paths()) return;
-  refuse(fmt::format("clamping indirect light needs an integrator that traces paths from the camera, such as path (got "
-                     "'{}')",
-                     settings.integrator.name()));
+  refuse(
+      fmt::format("clamping indirect light needs an integrator that traces paths from the camera, such as path (got "
+                  "'{}')",
+                  settings.integrator.name()));
 }
 
 /// Number of sets of samples if none is requested; see RenderRequest::replicates.

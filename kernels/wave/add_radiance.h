@@ -10,8 +10,8 @@
 namespace sheaf {
 
 /// Adds `found`, per spectral lane, to the radiance of one path, and to the group of its light if there are light
-/// groups. `light`: row of the light, or kNone. `scatterings`: how often the path scatters from its current ray on until
-/// it reaches the light, 0 if the ray itself finds the light. Other data of the path is available by its slot.
+/// groups. `light`: row of the light, or kNone. `scatterings`: how often the path scatters from its current ray on
+/// until it reaches the light, 0 if the ray itself finds the light. Other data of the path is available by its slot.
 SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Float4 found, std::uint32_t light, int scatterings) {
   if (wave.max_indirect < kInfinity) [[unlikely]]
     found = limited_indirect(wave, slot, found, scatterings);

@@ -78,7 +78,7 @@ struct IntegratorEntry {
   /// Likewise, but these find caustics and light through small openings that this one finds with far more noise. An
   /// error on the command line, a warning in scene files.
   IntegratorNames unsupported{};
-  const char* help = nullptr;     ///< description in --help, which lists no integrators without one
+  const char* help = nullptr;  ///< description in --help, which lists no integrators without one
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
   bool is_direct = false;                  ///< direct light only: max_depth is 2

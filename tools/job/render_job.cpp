@@ -41,7 +41,7 @@ int taken_samples(const RenderReport& report) {
 }  // namespace
 
 void prepare(const RenderArguments& arguments, LoadedScene& loaded) {
-  if (!arguments.integrator.empty()) 
+  if (!arguments.integrator.empty())
     apply_integrator_name(arguments.integrator, arguments.read.lenient, loaded.description);
   loaded.remarks = {loaded.description.notes, {}};
   loaded.settings = resolve_settings(arguments, loaded.description, loaded.remarks);

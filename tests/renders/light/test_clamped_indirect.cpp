@@ -52,8 +52,8 @@ TEST_CASE("clamped indirect light: inside a furnace each bounce from the second 
   d.integrator.rr_depth = 100;
   for (const double limit : {1e30, 3.0, 1.1, 0.9, 0.5}) {
     CAPTURE(limit);
-    const double expected = 2 + 2 * 0.8 + std::min(2 * 0.64, limit) + std::min(2 * 0.512, limit) +
-                            std::min(2 * 0.4096, limit);
+    const double expected =
+        2 + 2 * 0.8 + std::min(2 * 0.64, limit) + std::min(2 * 0.512, limit) + std::min(2 * 0.4096, limit);
     const Image image = render_clamped(d, static_cast<float>(limit));
     check_mean(statistics_of(image, 0), expected);
     const int group = image.find_channel("light_furnace.R");

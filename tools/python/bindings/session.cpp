@@ -70,9 +70,9 @@ void replace_children(XmlElement& root, const std::vector<XmlElement>& replaceme
 
 /// Options that the compiled scene does not depend on.
 const std::set<std::string>& options_of_render_only() {
-  static const std::set<std::string> names{"seed",  "threads",       "wave-size",    "aov",      "light-groups",
-                                           "float", "replicates",    "guiding",      "caustics", "clamp-indirect", "samples",
-                                           "crop",  "spectral-bins", "no-timestamps"};
+  static const std::set<std::string> names{"seed",    "threads",    "wave-size",     "aov",          "light-groups",
+                                           "float",   "replicates", "guiding",       "caustics",     "clamp-indirect",
+                                           "samples", "crop",       "spectral-bins", "no-timestamps"};
   return names;
 }
 
