@@ -62,11 +62,12 @@ std::vector<Vec3f> corners_at(const std::string& bytes, double time, const std::
   ReadOptions options;
   options.moment.time = static_cast<float>(time);
   options.moment.animation = clip;
+  options.surroundings.default_studio = Studio::kNone;
   const TemporaryFolder folder;
   const Description d = read_scene(write_below(folder, "a.dae", bytes), options);
   std::vector<Vec3f> out;
   for (const ShapeDescription& shape : d.shapes)
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry); mesh != nullptr && shape.id != "floor")
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry); mesh != nullptr)
       for (const Vec3f p : mesh->positions)
         if (p.x > 0 && p.y > 0) out.push_back(shape.to_world.point(p));
   return out;

@@ -19,7 +19,9 @@ constexpr double kPi = 3.14159265358979323846;
 
 Description read_as(const std::string& name, const std::string& bytes) {
   const TemporaryFolder folder;
-  return read_scene(write_below(folder, name, bytes));
+  ReadOptions options;
+  options.surroundings.default_studio = Studio::kNone;
+  return read_scene(write_below(folder, name, bytes), options);
 }
 /// The file in its text form and both binary forms.
 std::vector<Description> read_all(const FbxFile& file) {
@@ -92,7 +94,7 @@ template <class F> double integral(double from, F f) {
 std::vector<double> heights(const Description& d) {
   std::vector<double> out;
   for (const ShapeDescription& shape : d.shapes)
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry); mesh != nullptr && shape.id != "floor") {
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry); mesh != nullptr) {
       double sum = 0;
       for (const Vec3f p : mesh->positions) sum += shape.to_world.point(p).x;
       out.push_back(std::round(sum / static_cast<double>(mesh->positions.size())));

@@ -69,7 +69,7 @@ std::map<int, Coverage> coverage_of(const Description& d, double scale, bool has
   std::map<int, Coverage> out;
   for (const ShapeDescription& shape : d.shapes) {
     const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-    if (mesh == nullptr || shape.id == "floor") continue;
+    if (mesh == nullptr) continue;
     for (const auto& t : mesh->triangles) {
       std::array<std::array<double, 3>, 3> p;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -107,7 +107,9 @@ constexpr const char* kInputs =
 
 Description read_as(const std::string& name, const std::string& bytes) {
   const TemporaryFolder folder;
-  return read_scene(write_below(folder, name, bytes));
+  ReadOptions options;
+  options.surroundings.default_studio = Studio::kNone;
+  return read_scene(write_below(folder, name, bytes), options);
 }
 
 /// The indices of corners [begin, end), each twice: for position and texture coordinate.

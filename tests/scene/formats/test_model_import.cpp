@@ -46,13 +46,13 @@ Vec3f color_of(const Description& d, MaterialId id) {
   return std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(color).value).value;
 }
 
-/// Triangles in world space with their color, in the order of their numbers; without the floor, which is gray.
+/// Triangles in world space with their color, in the order of their numbers; without the studio, which is gray.
 using ColoredTriangle = std::array<float, 12>;
 std::vector<ColoredTriangle> triangles_of(const Description& d) {
   std::vector<ColoredTriangle> out;
   for (const ShapeDescription& shape : d.shapes) {
     const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-    if (mesh == nullptr || shape.id == "floor") continue;
+    if (mesh == nullptr) continue;
     const Vec3f color = color_of(d, *shape.material);
     if (color.x == color.y) continue;
     for (const auto& t : mesh->triangles) {
