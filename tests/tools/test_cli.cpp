@@ -217,6 +217,7 @@ TEST_CASE("info leaves the surroundings out of the bounds of a model and lists c
   // The same for a mesh
   write_bytes(folder / "mesh.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 3\n");
   CHECK(contains(info("mesh.obj"), "bounds      (0, 0, 0) to (2, 3, 0) (of the model alone)\n"));
+  CHECK(contains(info("mesh.obj"), "shapes      1 (1 triangles, 3 vertices, 0 quadrics)\n"));
   // Cameras
   gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
   gltf.json["nodes"].push_back({{"camera", 0}, {"name", "front"}, {"translation", {0, 0, 4}}});

@@ -188,11 +188,12 @@ TEST_CASE("the studio of a model is chosen by --studio, and applies to models on
     const std::string text = run(folder, "info model.obj " + options).out;
     return text.substr(text.find("shapes "), 32);
   };
-  CHECK(contains(shapes(""), "5 (110 triangles"));
-  CHECK(shapes("--studio soft") == shapes(""));
+  CHECK(contains(shapes("--studio soft"), "5 (110 triangles"));
   CHECK(contains(shapes("--studio sun"), "2 (4 triangles"));
   CHECK(contains(shapes("--studio none"), "1 (4 triangles"));
   CHECK(shapes("--no-floor") == shapes("--studio none"));
+  CHECK(shapes("") == shapes("--studio none"));  // counts the model alone
+  CHECK(read_options("model.obj", ReadArguments()).surroundings.chosen_studio() == Studio::kSoft);
   ReadArguments watched;
   watched.turns_camera = true;
   CHECK(read_options("model.obj", watched).surroundings.chosen_studio() == Studio::kSun);

@@ -268,6 +268,7 @@ void add_info_command(Command& program, int& exit_code) {
     FileContents contents;
     ReadOptions reading = read_options(arguments->scene, arguments->read);
     reading.contents = &contents;
+    reading.surroundings.default_studio = Studio::kNone;  // count what the file has
     Description description = read_scene(arguments->scene, reading);
     CompileReport report;
     CompileOptions options;
