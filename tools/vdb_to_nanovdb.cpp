@@ -1,4 +1,4 @@
-// vdb_to_nanovdb: converts the fog volumes of an OpenVDB file to NanoVDB, for programs that read no OpenVDB files.
+// vdb_to_nanovdb: converts the fog volumes of an OpenVDB file to NanoVDB, for programs that cannot read OpenVDB files.
 #include "core/io/error.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/openvdb.h"

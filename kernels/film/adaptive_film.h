@@ -58,7 +58,8 @@ class AdaptiveFilm {
   bool has_image() const { return rounds_ > 0; }
   /// Estimated final number of samples per pixel of a tile, summed over all sets.
   double expected_samples(std::size_t tile) const { return expected_[tile]; }
-  /// Whether that is no upper bound: the samples so far show the noise, or the goal has no target.
+  /// Whether expected_samples() is an estimate rather than an upper bound: the noise is known, or there is no noise
+  /// target.
   bool has_estimates() const;
   /// Number of samples per pixel that a tile has taken so far, summed over all sets.
   std::uint64_t taken_samples(std::size_t tile) const;

@@ -36,8 +36,8 @@ class ProgressReporter {
   /// Result of the last wants_pause().
   bool is_pausing() const { return pausing_; }
 
-  /// Sets the number of samples and photons of the whole render, and the number before which a time limit does not end
-  /// it. `is_bound`: as RenderProgress. Must not be called while workers run.
+  /// Sets the number of samples and photons of the whole render, and the number that is taken regardless of a time
+  /// limit. `is_bound`: see RenderProgress. Must not be called while workers run.
   void set_total(std::uint64_t total, std::uint64_t min_total, bool is_bound) {
     total_ = total;
     min_total_ = min_total;

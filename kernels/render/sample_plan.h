@@ -40,7 +40,7 @@ class SamplePlan {
   const RenderState& state() const { return state_; }
   /// Number of samples and photons of the whole render; an estimate in adaptive sampling.
   std::uint64_t sample_total() const;
-  /// Whether that is no upper bound: the noise is known, or does not matter.
+  /// Whether sample_total() is an estimate rather than an upper bound; see AdaptiveFilm::has_estimates().
   bool knows_sample_total() const { return !state_.adaptive || state_.adaptive->has_estimates(); }
   /// Number of samples before which may_end_early() is false, in adaptive sampling.
   std::uint64_t min_sample_total() const;

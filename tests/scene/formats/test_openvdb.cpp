@@ -39,7 +39,7 @@ using Position = std::array<int, 3>;
 
 float expected_sixteenths(const Position& p) { return static_cast<float>((7 * p[0] + 3 * p[1] + 5 * p[2]) & 15); }
 
-/// What make_vdb_files writes into voxel `i` of a block; `channel` of a value in units of `one`.
+/// The value that make_vdb_files writes into voxel `i` of a block; `channel` of a value in units of `one`.
 float expected_voxel(int block, int i, const Position& p, float one, int channel) {
   const auto value = [&] {
     return expected_sixteenths({p[0] + channel, p[1] + channel, p[2] + channel}) * (one == 4 ? 1 : 1 / 16.0f);
