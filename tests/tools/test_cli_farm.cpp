@@ -1,7 +1,7 @@
 // The jobs that `sheaf farm` writes, run by a replacement for sbatch that runs each job at once. test_slurm.cpp uses
 // Slurm.
 #include "core/image/exr.h"
-#include "tests/support/files/gltf_files.h"
+#include "tests/support/files/rising_triangle.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
 
@@ -189,17 +189,8 @@ TEST_CASE("farm: the merged image is denoised") {
 }
 
 TEST_CASE("farm: the frames of a glTF file are rendered at their times") {
-  test::GltfBuilder gltf;
-  gltf.add_triangle();
-  const int times = gltf.add<float>({0, 1}, "SCALAR"), positions = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
-  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
-  gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 4}}});
-  gltf.json["scenes"][0]["nodes"] = {0, 1};
-  gltf.json["animations"].push_back(
-      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
-       {"samplers", {{{"input", times}, {"output", positions}}}}});
   const FarmFolder farm;
-  write_bytes(farm.here / "model.glb", gltf.binary());
+  write_bytes(farm.here / "model.glb", test::rising_triangle().binary());
   const std::string options = "--size 24x16 --spp 4 --no-timestamps -q";
   const Outcome made =
       farm.sheaf("farm model.glb --frames 0:2 --fps 2.3 --parts 2 --tiles -o a.png --submit -- " + options);

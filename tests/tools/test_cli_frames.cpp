@@ -5,7 +5,7 @@
 #include "core/io/inflate.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/openvdb.h"
-#include "tests/support/files/gltf_files.h"
+#include "tests/support/files/rising_triangle.h"
 #include "tests/support/program_testing.h"
 #include "tools/farm/frame_names.h"
 
@@ -272,18 +272,8 @@ TEST_CASE("frames: errors come before any work or name their cause") {
 }
 
 TEST_CASE("frames: a glTF file is rendered at the time of each frame") {
-  test::GltfBuilder gltf;
-  gltf.add_triangle();
-  const int times = gltf.add<float>({0, 1}, "SCALAR");
-  const int positions = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
-  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
-  gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 4}}});
-  gltf.json["scenes"][0]["nodes"] = {0, 1};
-  gltf.json["animations"].push_back(
-      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
-       {"samplers", {{{"input", times}, {"output", positions}}}}});
   const FrameFolder f;
-  write_bytes(f.folder / "model.glb", gltf.binary());
+  write_bytes(f.folder / "model.glb", test::rising_triangle().binary());
   const std::string quick = "render model.glb --size 24x16 --spp 4 --no-timestamps -q ";
   REQUIRE(f.sheaf(quick + "--frames 0:1 --fps 2 -o f####.png").code == 0);
   REQUIRE(f.sheaf(quick + "--time 0.5 -o half.png").code == 0);
