@@ -66,7 +66,7 @@ template <class L> SHEAF_INLINE Float<L> rough_reciprocal(typename L::Float x) {
 template <class L> struct NodeWords {
   typename L::Float words[LightNodeRow::kWordCount];
 
-  SHEAF_INLINE void move_to(const Receiver<L>& at) {
+  template <class At> SHEAF_INLINE void move_to(const At& at) {
     words[LightNodeRow::kMiddle] = words[LightNodeRow::kMiddle] - at.p.x;
     words[LightNodeRow::kMiddle + 1] = words[LightNodeRow::kMiddle + 1] - at.p.y;
     words[LightNodeRow::kMiddle + 2] = words[LightNodeRow::kMiddle + 2] - at.p.z;
@@ -74,8 +74,8 @@ template <class L> struct NodeWords {
   SHEAF_INLINE Uint<L> link() const { return float_bits(words[LightNodeRow::kLink]); }
 };
 
-template <class L>
-SHEAF_INLINE NodeWords<L> load_node(const LightTreeView& tree, typename L::Uint index, const Receiver<L>& at) {
+template <class L, class At>
+SHEAF_INLINE NodeWords<L> load_node(const LightTreeView& tree, typename L::Uint index, const At& at) {
   RowPointers<L> rows(tree.nodes, index);
   NodeWords<L> node;
   for (int k = 0; k < LightNodeRow::kWordCount; k += 4) rows.read_four(node.words + k);
@@ -128,7 +128,8 @@ template <class L> struct ChildWeights {
   SHEAF_INLINE Float<L> sum() const { return (weights[0] + weights[1]) + (weights[2] + weights[3]); }
 };
 
-template <class L> SHEAF_INLINE ChildWeights<L> child_weights(const NodeWords<L>& node, const Receiver<L>& at) {
+/// `at`: a Receiver, or a segment (kernels/lights/segment_light.h).
+template <class L, class At> SHEAF_INLINE ChildWeights<L> child_weights(const NodeWords<L>& node, const At& at) {
   using F = Float<L>;
   const Importance<L> children[kLightChildren] = {
       importance<L>(unpack_light_child<L, 0>(node.words), at), importance<L>(unpack_light_child<L, 1>(node.words), at),

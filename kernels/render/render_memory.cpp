@@ -112,7 +112,7 @@ WaveSetup wave_setup(const Scene& scene, const RenderSettings& settings, const R
   const StageContext context(scene, settings.integrator);
   const auto needs_of = [&](WaveNeeds needs) {
     needs.chains = settings.caustics == CausticMode::kManifold;
-    needs.guides = !settings.training.empty();
+    needs.guides = needs.guides || !settings.training.empty();
     return needs;
   };
   // The trial is short, so waves have the size that suits the passes of the image

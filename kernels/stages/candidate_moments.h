@@ -80,6 +80,12 @@ inline void add_unoccluded_moments(Wave& wave, Slot slot, float found) {
   row.excess = row.excess + row.pending_excess * (fraction * fraction);
 }
 
+/// Adds light that a path has found without candidates, spectral lanes added up.
+inline void add_common_moments(Wave& wave, Slot slot, float found) {
+  PathMoments<Scalar>& row = wave.moments.row(slot);
+  row.radiance = row.radiance + Spectrum4(found);
+}
+
 /// Adds emission that a path has hit, spectral lanes added up, for each number of candidates.
 template <class L>
 void add_emission_moments(Wave& wave, const Slot* slots, std::uint32_t lanes, const Spectrum<L>& found) {

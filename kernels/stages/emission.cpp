@@ -11,6 +11,7 @@
 #include "kernels/stages/chain_state.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_sample_context.h"
+#include "kernels/stages/segment_mis.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
@@ -179,11 +180,14 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
       faces & !light.is_along_normal() & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
   // Add the radiance, weighted by MIS
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
-  const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
-                light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
-                                         {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng,
-                                          hit.primitive, from.receiver.n},
-                                         time);
+  const F choice = choice_probability<L>(context.scene, from.receiver, hit.light);
+  F pdf = choice * light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
+                                            {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng,
+                                             hit.primitive, from.receiver.n},
+                                            time);
+  if (connects_segments(context))
+    pdf = pdf * segment_pdf_scale<L>(context.scene, wave, slots, from.receiver.p, hit.light, choice,
+                                     lit & ((ray.flags & U(kRayFromMedium)) != U(0u)) & L::first(count));
   Spectrum<L> emitted = path.beta * light.radiance;
   const std::uint32_t chained = mask_bits(lit & is_connected_chain<L>(context, ray.flags) & L::first(count));
   if (chained != 0) emitted = emitted * chain_weights<L>(context, wave, slots, chained, y.ng);

@@ -165,7 +165,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const HitState<Scalar> hit = wave.hits.get(slot);
   PathState<Scalar>& path = wave.paths.row(slot);
   // Find the segment of the ray in the medium
-  const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
+  const float end = hit.shape == kNone ? medium_end<Scalar>(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
                                         state.direction, min(hit.t, end), path_time(scene, wave, slot));
   // Find the photons or beams near it

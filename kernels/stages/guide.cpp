@@ -1,5 +1,6 @@
 // Stage: guide. Looks up the guide cell of every vertex. The side of a surface is given by the geometric normal, which
-// all parts of a blend share.
+// all parts of a blend share. Without a guide, marks vertices in media that glow around lights
+// (kernels/guiding/glow_lobes.h).
 #include "kernels/stages/guided.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
@@ -13,10 +14,20 @@ template <class L> void guide_run(const StageContext& context, Wave& wave, const
   using U = Uint<L>;
   for_tiles<L>(run.count, [&](int i, int) {
     const int column = run.column_begin + i;
+    const Slot* const slots = wave.sorted.data() + run.slot_begin + i;
+    if (!context.samples_guide()) {
+      const U medium = wave.rays.gather<L>(slots).flags >> kRayMediumShift;
+      const auto inside = medium != U(0u);
+      const U flags =
+          gather_member<L>(context.scene.media.rows, &MediumRow::flags, select(inside, medium - U(1u), U(0u)));
+      wave.guide_cells.store<L>(column,
+                                {select(inside & connects_segments<L>(flags), U(kInGlow), U(0u)), U(kGuideMedia)});
+      return;
+    }
     const auto item = wave.vertices.load<L>(column);
     U side(kGuideMedia);
     if (!in_medium) {
-      const RayState<L> ray = wave.rays.gather<L>(wave.sorted.data() + run.slot_begin + i);
+      const RayState<L> ray = wave.rays.gather<L>(slots);
       side = guide_side<L>(select<L>(dot(item.ng, ray.direction) > Float<L>(0.0f), -item.ng, item.ng));
     }
     wave.guide_cells.store<L>(column,

@@ -14,6 +14,7 @@
 #include "core/sampling/octahedral.h"
 #include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
+#include "kernels/guiding/glow_lobes.h"
 #include "kernels/guiding/guide_record.h"
 #include "kernels/guiding/guide_sample.h"
 #include "kernels/stages/blend_value.h"
@@ -26,11 +27,27 @@ namespace sheaf {
 /// Whether vertices with this closure may sample the guide.
 template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !kDisperses<Bsdf>;
 
+/// GuideCell::row of vertices that sample the glow of lights.
+inline constexpr std::uint32_t kInGlow = 1;
+
 /// The guide's value for a direction, at those vertices of the columns from `column` on that are set in `lanes`.
 template <class L>
 SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
                                        Vec3<L> direction) {
-  return evaluate_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
+  const Uint<L> rows = wave.guide_cells.load<L>(column).row;
+  if (context.samples_guide()) return evaluate_guide<L>(context.guide(), rows, mask_bits(lanes), direction);
+  return evaluate_glow<L>(context.scene.lights.tree, wave.vertices.load<L>(column).p,
+                          lanes & (rows == Uint<L>(kInGlow)), direction);
+}
+
+/// Chooses between BSDF and guide for the first `count` vertices of the columns from `column` on.
+template <class L>
+SHEAF_INLINE GuideSample<L> choose_guided(const StageContext& context, const Wave& wave, int column, int count,
+                                          const Random4<L>& u) {
+  const Uint<L> rows = wave.guide_cells.load<L>(column).row;
+  if (context.samples_guide()) return sample_guide<L>(context.guide(), rows, count, u);
+  return sample_glow<L>(context.scene.lights.tree, wave.vertices.load<L>(column).p,
+                        L::first(count) & (rows == Uint<L>(kInGlow)), u);
 }
 
 /// Pdf of the guided parts of a blend.
@@ -77,7 +94,7 @@ template <class L, template <class> class Bsdf>
   using F = Float<L>;
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   // Choose between guide and BSDF, and sample both
-  const GuideSample<L> of_guide = sample_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, count, u);
+  const GuideSample<L> of_guide = choose_guided<L>(context, wave, column, count, u);
   u.x = of_guide.bsdf_u;
   GuidedSample<L> out;
   BsdfSample<L>& s = out.bsdf;

@@ -6,6 +6,7 @@
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/blend_value.h"
 #include "kernels/stages/light_sample_context.h"
+#include "kernels/stages/segment_mis.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -82,6 +83,13 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
     // With a volume map, paths find the emission of media along their whole rays.
     if (context.photon_maps().covers_media() && context.integrator.strategy == LightStrategy::kMis)
       out.pdf_solid_angle = select(light.target_medium == Uint<L>(kNone), out.pdf_solid_angle, F(0.0f));
+  }
+  // Share the light with the segment that the vertex lies on
+  if (in_medium && connects_segments(context)) {
+    const F scale = segment_pdf_scale<L>(context.scene, wave, tile.slots, at.p, choice.light, choice.probability,
+                                         (out.pdf_solid_angle > F(0.0f)) & (light.target_medium == Uint<L>(kNone)));
+    out.pdf_solid_angle = out.pdf_solid_angle * scale;
+    out.radiance = out.radiance * (F(1.0f) / scale);
   }
   out.delta = select(light.delta, F(1.0f), F(0.0f));
   out.light = choice.light;

@@ -14,6 +14,7 @@
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/route_hits.h"
+#include "kernels/stages/segment_mis.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/path_time.h"
@@ -171,6 +172,20 @@ void scatter_path(const StageContext& context, Wave& wave, MediumPath& path, con
   route_vertices<Scalar>(context, wave, &path.slot, 1u, path.hit.material, path.ray.flags);
 }
 
+/// Stores the segment on which a path scatters at distance `t`. `before` and `after`: r_u before and after the distance
+/// was sampled.
+void store_segment(const SceneView& scene, Wave& wave, const MediumPath& path, const MediumRay& ray,
+                   const Spectrum4& before, Float4 after, float t) {
+  SegmentState<Scalar>& out = wave.segments.row(path.slot);
+  out = {ray.origin, 0.0f, ray.direction, 0.0f};
+  if (!connects_segments(ray.medium) || (path.ray.flags & kRayLast) != 0) return;
+  const Float4 sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
+  out.length = min(ray.length, segment_reach<Scalar>(scene.color, to_spectrum(sigma_t)));
+  if (!(t < out.length)) return;
+  const float sigma = sigma_t[ray.hero], pdf = sigma * std::exp(-sigma * t) * lane_mean(scene, after);
+  if (pdf > 0.0f) out.pdf_ratio = lane_mean<Scalar>(scene.color, before) / pdf;
+}
+
 /// Stores the flight of a photon along `length` meters of the ray as a beam. `r_u`: at its start.
 void store_beam(const StageContext& context, Wave& wave, const MediumPath& path, const MediumRay& ray,
                 const Spectrum4& r_u, float length) {
@@ -202,7 +217,7 @@ bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_
 
 MediumRay ray_of(const StageContext& context, const Wave& wave, const MediumPath& path) {
   const float end =
-      path.hit.shape == kNone ? medium_end(context.scene, path.ray.origin, path.ray.direction) : kInfinity;
+      path.hit.shape == kNone ? medium_end<Scalar>(context.scene, path.ray.origin, path.ray.direction) : kInfinity;
   return make_medium_ray(context, path.ray.flags, lane_wavelengths(context.scene, wave, path.slot), path.ray.origin,
                          path.ray.direction, min(path.hit.t, end), path.time);
 }
@@ -221,6 +236,8 @@ void finish_path(const StageContext& context, Wave& wave, MediumPath& path, cons
     wave.finished.push(path.slot);
     return;
   }
+  if (t < ray.length && wave.needs.segments && connects_segments(context))
+    store_segment(context.scene, wave, path, ray, wave.rescaled_pdfs.row(path.slot).r_u, weights.r_u, t);
   weights.rescale();
   store_weights(wave, path.slot, weights);
   if (t < ray.length) return scatter_path(context, wave, path, ray, t);

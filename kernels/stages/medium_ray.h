@@ -22,14 +22,16 @@ inline Spectrum4 lane_wavelengths(const SceneView& scene, const Wave& wave, Slot
 /// Distance at which a ray without a hit leaves an unbounded medium, at the radius MediumView::outer_radius; 0 if the
 /// ray is already outside. Paths and shadow rays that leave the scene both end there, so both attenuate light from
 /// outside alike.
-inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
-  if (!(scene.media.outer_radius < kInfinity)) return kInfinity;
-  const Vec3f from = origin - scene.center;
-  const float b = dot(from, direction), c = dot(from, from) - sqr(scene.media.outer_radius);
-  const float square = b * b - c;
-  if (!(square > 0.0f)) return 0.0f;
-  const float root = std::sqrt(square);
-  return max(b > 0.0f ? -c / (b + root) : root - b, 0.0f);
+template <class L>
+SHEAF_INLINE Float<L> medium_end(const SceneView& scene, const Vec3<L>& origin, const Vec3<L>& direction) {
+  using F = Float<L>;
+  if (!(scene.media.outer_radius < kInfinity)) return F(kInfinity);
+  const Vec3<L> from = origin - broadcast<L>(scene.center);
+  const F b = dot(from, direction), c = dot(from, from) - F(sqr(scene.media.outer_radius));
+  const F square = b * b - c;
+  const F root = sqrt(max(square, F(0.0f)));
+  const F end = max(select(b > F(0.0f), -c / (b + root), root - b), F(0.0f));
+  return select(square > F(0.0f), end, F(0.0f));
 }
 
 /// The segment of `length` meters from `origin` in the medium given by `flags` (RayState::flags), at a time in [0, 1].

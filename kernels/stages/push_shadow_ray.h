@@ -9,13 +9,15 @@
 
 namespace sheaf {
 
-/// Bits of TransmittanceItem::flags for rays to the camera if lights are hidden. They reuse two bits that shadow rays
-/// do not need. Camera rays pass hidden lights until they hit a thin dielectric; they see lights behind it.
+/// Bits of TransmittanceItem::flags. They reuse bits that shadow rays do not need. The first two are for rays to the
+/// camera if lights are hidden: camera rays pass hidden lights until they hit a thin dielectric; they see lights behind
+/// it.
 enum ShadowFlags : std::uint32_t {
   kShadowFromHiddenLight = kRayFromCamera,  ///< starts on a hidden light and has passed no thin dielectric
   kShadowPassedHiddenLight = kRayLast,
+  kShadowFromSegment = kRayFromMedium,  ///< starts on a segment of a path, not at a vertex
 };
-inline constexpr std::uint32_t kShadowFlags = kShadowFromHiddenLight | kShadowPassedHiddenLight;
+inline constexpr std::uint32_t kShadowFlags = kShadowFromHiddenLight | kShadowPassedHiddenLight | kShadowFromSegment;
 
 /// The end of a shadow ray; see TransmittanceItem.
 template <class L> struct ShadowEnd {

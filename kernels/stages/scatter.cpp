@@ -105,7 +105,7 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
                                     GuidedSample<L>& sample) {
   using F = Float<L>;
   BsdfSample<L>& s = sample.bsdf;
-  const bool guides = context.samples_guide();
+  const bool guides = guides_directions(context);
   lanes = lanes & s.valid & (s.pdf_solid_angle > F(0.0f)) & on_part<L>(context.scene, wave, slots);
   if (!any(lanes)) return Mask<L>(false);
   const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, sample.direction);
@@ -131,12 +131,12 @@ SHEAF_INLINE GuidedSample<L> sample_bsdf_or_guide(const StageContext& context, c
                                                   const ScatterTile& tile, const Bsdf<L>& bsdf,
                                                   const VertexItem<L>& item, const FrameOf<L, Bsdf>& frame,
                                                   Random4<L> u) {
-  if (kIsGuided<Bsdf<L>> && context.samples_guide())
+  if (kIsGuided<Bsdf<L>> && guides_directions(context))
     return sample_guided<L>(context, wave, tile.column, tile.count, bsdf, item, u);
   GuidedSample<L> sample{};
   sample.bsdf = bsdf.sample(item.wo, u);
   sample.direction = frame.to_world(sample.bsdf.wi);
-  if (tile.has_parts && context.samples_guide())
+  if (tile.has_parts && guides_directions(context))
     sample.guide =
         guide_value<L>(context, wave, tile.column, sample.bsdf.valid & L::first(tile.count), sample.direction);
   return sample;
@@ -282,7 +282,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sc
 
   // Sample the BSDF or the guide
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter, {},
-                         context.samples_guide() ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
+                         guides_directions(context) ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
   GuidedSample<L> sample = sample_bsdf_or_guide<L, Bsdf>(context, wave, tile, bsdf, item, frame, u);
   BsdfSample<L>& s = sample.bsdf;
 

@@ -24,6 +24,10 @@ template <class L> void camera_rays(const StageContext& context, Wave& wave) noe
 /// that are not finite are dropped and counted.
 template <class L> void intersect(const StageContext& context, Wave& wave) noexcept;
 
+/// Connects rays in homogeneous media to lights: pushes a shadow ray from a point of each ray. Reads HitState,
+/// PathState and RescaledPdfs.
+template <class L> void segment_lights(const StageContext& context, Wave& wave) noexcept;
+
 /// Samples scattering in media, and adds the emission of media. Paths that do not scatter move on to the surface hit.
 /// Reads RayState and HitState; writes throughput and RescaledPdfs, and HitState of paths that scatter.
 template <class L> void medium(const StageContext& context, Wave& wave) noexcept;
@@ -125,11 +129,14 @@ inline bool in_debug_pass(const StageContext& context) { return context.pass() =
 inline bool writes_aovs(const StageContext& context) {
   return in_path_pass(context) && context.camera_task().aovs().any();
 }
-inline bool samples_guide(const StageContext& context) { return in_path_pass(context) && context.samples_guide(); }
+inline bool guides_directions(const StageContext& context) {
+  return in_path_pass(context) && sheaf::guides_directions(context);
+}
 inline bool trains_guide(const StageContext& context) { return in_path_pass(context) && context.trains_guide(); }
 inline bool connects_caustics(const StageContext& context) {
   return in_path_pass(context) && context.connects_caustics();
 }
+inline bool connects_segments(const StageContext& context) { return sheaf::connects_segments(context); }
 inline bool gathers_photons(const StageContext& context) { return in_path_pass(context) && context.gathers_photons(); }
 inline bool gathers_volume(const StageContext& context) {
   return gathers_photons(context) && context.photon_maps().covers_media();
@@ -184,6 +191,7 @@ inline constexpr auto kStages = [] {
        {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
        C::gathers_volume,
        gather_volume<L>},
+      {"segment_lights", {Q::kMedium}, {}, {Q::kShadows}, C::connects_segments, segment_lights<L>},
       {"medium",
        {},
        {Q::kMedium},
@@ -209,7 +217,7 @@ inline constexpr auto kStages = [] {
       {"textures", {Q::kSorted, Q::kVertices}, {}, {}, C::transports_light, textures<L>},
       {"aovs", {Q::kSorted, Q::kVertices}, {}, {}, C::writes_aovs, aovs<L>},
       {"gather", {Q::kSorted, Q::kVertices}, {}, {}, C::gathers_photons, gather<L>},
-      {"guide", {Q::kSorted, Q::kVertices}, {}, {}, C::samples_guide, guide<L>},
+      {"guide", {Q::kSorted, Q::kVertices}, {}, {}, C::guides_directions, guide<L>},
       {"light_candidates",
        {Q::kSorted, Q::kVertices},
        {},

@@ -57,7 +57,7 @@ std::optional<MediumRay> segment_of(const StageContext& context, const Wave& wav
   const auto slot = static_cast<Slot>(ray.item.slot);
   const Spectrum4 lambda = lane_wavelengths(context.scene, wave, slot);
   const Vec3f direction = d * (1.0f / distance);
-  const float end = to_end ? medium_end(context.scene, ray.item.origin, direction) : kInfinity;
+  const float end = to_end ? medium_end<Scalar>(context.scene, ray.item.origin, direction) : kInfinity;
   return make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(distance * t, end),
                          path_time(context.scene, wave, slot));
 }
@@ -156,7 +156,10 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
   LightCounter(wave.stats).arrive(ray.item.light, to_spectrum(found));
-  if (context.compares_candidates()) add_unoccluded_moments(wave, static_cast<Slot>(ray.item.slot), total(found));
+  if (context.compares_candidates()) {
+    const bool is_common = (ray.state.flags & kShadowFromSegment) != 0;
+    (is_common ? add_common_moments : add_unoccluded_moments)(wave, static_cast<Slot>(ray.item.slot), total(found));
+  }
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light, 1);
 }
 

@@ -148,6 +148,21 @@ inline bool samples_lights(const StageContext& context) {
   return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
 }
 
+/// Whether paths in media are connected to lights by segments of their rays; see kernels/stages/segment_lights.cpp.
+inline bool connects_segments(const StageContext& context) {
+  const SceneView& scene = context.scene;
+  return context.pass() == PassKind::kPath && scene.media.connects_segments && scene.lights.tree.node_count > 0 &&
+         samples_lights(context) && !context.gathers_photons() &&
+         context.integrator.medium_estimator != MediumEstimator::kMarching && scene.motion.media == nullptr;
+}
+
+/// Whether vertices in such media sample directions towards lights; see kernels/guiding/glow_lobes.h.
+inline bool samples_glow(const StageContext& context) {
+  return connects_segments(context) && !context.samples_guide() && context.scene.lights.tree.glow_source_count > 0;
+}
+/// Whether vertices sample directions other than from their BSDFs.
+inline bool guides_directions(const StageContext& context) { return context.samples_guide() || samples_glow(context); }
+
 /// Whether the candidates of a vertex share a cut of the light tree. Worthwhile from 4 candidates and 32 lights.
 inline bool shares_light_cut(const StageContext& context) {
   constexpr int kMinCandidates = 4;

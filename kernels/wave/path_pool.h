@@ -42,6 +42,7 @@ struct PathPool {
   SlotTable<RadianceState> radiance;
   SlotTable<RescaledPdfs> rescaled_pdfs;    ///< WaveNeeds::transparency
   SlotTable<ChainStartState> chain_starts;  ///< WaveNeeds::chains
+  SlotTable<SegmentState> segments;         ///< WaveNeeds::segments
   /// Spectral mode: the number from which the wavelengths of a path are derived, one word per slot; see
   /// kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
@@ -76,6 +77,7 @@ struct PathPool {
     f(pool.radiance, true);
     f(pool.rescaled_pdfs, needs.transparency);
     f(pool.chain_starts, needs.chains);
+    f(pool.segments, needs.segments);
     f(pool.wavelength_samples, needs.spectral);
     f(pool.times, needs.times);
     f(pool.distance_since_vertex, needs.distance);

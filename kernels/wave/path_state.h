@@ -102,6 +102,15 @@ template <class L> struct ChainStartState {
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.cosine, s.direction, s.refracted); }
 };
 
+/// The segment of a ray in a medium on which the last vertex of a path lies.
+template <class L> struct SegmentState {
+  Vec3<L> origin;
+  typename L::Float length;     ///< m
+  Vec3<L> direction;            ///< unit length
+  typename L::Float pdf_ratio;  ///< 1 over the mean pdf of the vertex's distance, m; 0: the segment is not connected
+  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.length, s.direction, s.pdf_ratio); }
+};
+
 /// A vertex ready for shading. Rows are in the order of closure kinds.
 template <class L> struct VertexItem {
   Vec3<L> p;                 ///< world space

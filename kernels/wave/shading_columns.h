@@ -50,8 +50,9 @@ struct ShadingColumns {
     f(c.light_cuts, rows, all(needs.light_cuts, kLeafCount<LightTreeCut>));
     f(c.raster_positions, rows, all(needs.raster_positions, kLeafCount<RasterPosition>));
     f(c.guide_cells, rows, all(needs.guides, kLeafCount<GuideCell>));
-    f(c.shadows, paths, kLeafCount<ShadowItem>);
-    f(c.transmittances, paths, all(needs.transparency, kLeafCount<TransmittanceItem>));
+    const int shadow_rays = needs.segments ? 2 * paths : paths;
+    f(c.shadows, shadow_rays, kLeafCount<ShadowItem>);
+    f(c.transmittances, shadow_rays, all(needs.transparency, kLeafCount<TransmittanceItem>));
   }
 };
 

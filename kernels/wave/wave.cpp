@@ -66,8 +66,9 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.light_cuts = needs.candidates && shares_light_cut(context);
   needs.candidate_moments = false;
   needs.raster_positions = !needs.candidates;
-  needs.guides = context.samples_guide();
+  needs.guides = guides_directions(context);
   needs.chains = context.connects_caustics();
+  needs.segments = connects_segments(context);
   for (const std::uint32_t flags : scene.materials.buckets.kind_flags)
     needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
   needs.counted_lights = std::min(scene.lights.count, kMaxReportedLights);

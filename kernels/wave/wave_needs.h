@@ -20,6 +20,7 @@ struct WaveNeeds {
   std::uint32_t counted_lights = 0;      ///< lights whose shadow rays are counted separately
   bool guides = true;                    ///< guide cells
   bool chains = true;                    ///< starts of specular chains
+  bool segments = true;                  ///< segments in media, which are connected to lights
   int closure_words = kMaxClosureWords;  ///< words of the longest closure
 
   static WaveNeeds of(const StageContext& context);

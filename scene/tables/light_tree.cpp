@@ -247,8 +247,35 @@ void LightCluster::add(const LightCluster& other) {
   two_sided = two_sided || other.two_sided;
 }
 
+namespace {
+
+/// Adds the glow sources below a node that has `power`.
+void add_glow_sources(const LightTree& tree, std::uint32_t index, float power, int levels, LightTreeView& view) {
+  const LightNodeRow& node = tree.nodes[index];
+  float words[LightNodeRow::kWordCount];
+  for (int k = 0; k < LightNodeRow::kWordCount; ++k) words[k] = std::bit_cast<float>(node.words[k]);
+  const LightChild<Scalar> children[kLightChildren] = {
+      unpack_light_child<Scalar, 0>(words), unpack_light_child<Scalar, 1>(words), unpack_light_child<Scalar, 2>(words),
+      unpack_light_child<Scalar, 3>(words)};
+  for (std::uint32_t k = 0; k < kLightChildren; ++k) {
+    const LightChild<Scalar>& child = children[k];
+    if (std::isnan(child.spread)) continue;
+    const float child_power = power * child.power_fraction;
+    const std::uint32_t position = light_tree_child(node, index, k);
+    if ((position & kLightLeaf) == 0 && levels > 1)
+      add_glow_sources(tree, position, child_power, levels - 1, view);
+    else
+      view.glow_sources[view.glow_source_count++] = {child.center, child.radius, child_power};
+  }
+}
+
+}  // namespace
+
 LightTreeView LightTree::view() const {
-  LightTreeView v{nodes.data(), trails.data(), static_cast<std::uint32_t>(nodes.size()), {}};
+  LightTreeView v;
+  v.nodes = nodes.data();
+  v.trails = trails.data();
+  v.node_count = static_cast<std::uint32_t>(nodes.size());
   if (nodes.empty()) return v;
   for (std::size_t node = 0; node < kLightCutNodes; ++node)
     for (std::uint32_t k = 0; k < kLightChildren; ++k) {
@@ -256,6 +283,7 @@ LightTreeView LightTree::view() const {
       v.cut_nodes[kLightChildren * node + 1 + k] =
           (position & kLightLeaf) != 0 ? position : light_tree_child(nodes[position], position, k);
     }
+  add_glow_sources(*this, 0, 1.0f, kGlowLevels, v);
   return v;
 }
 

@@ -46,6 +46,16 @@ inline std::uint32_t light_tree_child(const LightNodeRow& node, std::uint32_t in
                  : (node.words[LightNodeRow::kLink] & kLightNodeIndex) + child;
 }
 
+/// A group of lights that rays aim at; see kernels/guiding/glow_lobes.h.
+struct GlowSource {
+  Vec3f center{};    ///< of the bounding sphere; world space
+  float radius = 0;  ///< m
+  float power = 0;   ///< as a fraction of all lights in the tree
+};
+/// The sources: the nodes and leaves that this many levels of a tree end in.
+inline constexpr int kGlowLevels = 2;
+inline constexpr int kMaxGlowSources = kLightChildren * kLightChildren;
+
 /// Light tree for kernels.
 struct LightTreeView {
   const LightNodeRow* nodes = nullptr;    ///< the first is the root
@@ -53,6 +63,8 @@ struct LightTreeView {
   std::uint32_t node_count = 0;           ///< 0: no lights
   /// Positions of the upper nodes. Below a leaf, the position of that leaf is repeated.
   std::uint32_t cut_nodes[kLightCutPositions] = {};
+  GlowSource glow_sources[kMaxGlowSources] = {};  ///< those with power
+  int glow_source_count = 0;
 };
 
 /// Owns a light tree.

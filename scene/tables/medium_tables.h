@@ -6,6 +6,7 @@
 #include "scene/tables/medium.h"
 #include "scene/tables/table_bytes.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -27,7 +28,18 @@ struct MediumView {
   std::uint32_t outer_medium = 0;                ///< medium that surrounds the scene
   /// Radius around SceneView::center at which unbounded media end; infinite if no light is at infinity.
   float outer_radius = kInfinity;
+  /// Rays in some media are connected to lights by segments; see connects_segments().
+  bool connects_segments = false;
 };
+
+/// Whether rays in a medium are connected to lights (kernels/stages/segment_lights.cpp): it scatters, and its pdf of
+/// distances has a closed form.
+/// `flags`: MediumRow::flags.
+template <class L> SHEAF_INLINE Mask<L> connects_segments(typename L::Uint flags) {
+  constexpr std::uint32_t kNeeded = kMediumHomogeneous | kMediumScatters;
+  return (flags & Uint<L>(kNeeded | kMediumFlakes)) == Uint<L>(kNeeded);
+}
+inline bool connects_segments(const MediumRow& medium) { return connects_segments<Scalar>(medium.flags); }
 
 /// Owns the tables of media.
 struct MediumTables {
@@ -54,7 +66,14 @@ struct MediumTables {
             static_cast<std::uint32_t>(camera_media.size()),
             surroundings.empty() ? nullptr : surroundings.data(),
             outer_medium,
-            outer_radius};
+            outer_radius,
+            connects_any_segments()};
+  }
+  /// Whether some medium connects segments. Only if the pdfs of light sampling are equal in all lanes in every medium.
+  bool connects_any_segments() const {
+    const auto is_exact = [](const MediumRow& row) { return (row.flags & (kMediumHomogeneous | kMediumGray)) != 0; };
+    return std::any_of(rows.begin(), rows.end(), [](const MediumRow& row) { return connects_segments(row); }) &&
+           std::all_of(rows.begin(), rows.end(), is_exact);
   }
   /// Memory in bytes.
   std::size_t bytes() const {

@@ -1,0 +1,94 @@
+// Sampling and evaluation of the lobes, compiled once for Wide and Scalar.
+#include "kernels/guiding/glow_lobes.h"
+
+#include "core/math/frame.h"
+
+namespace sheaf {
+
+namespace {
+
+/// The lobe of a group of lights as seen from a point.
+template <class L> struct GlowLobe {
+  Vec3<L> direction;              ///< to the center of the group, unit length
+  typename L::Float weight;       ///< power over distance
+  typename L::Float least, span;  ///< sqrt(c0), and sqrt(2 + c0) - sqrt(c0)
+
+  SHEAF_INLINE Vec3<L> sample(typename L::Float u, typename L::Float v) const {
+    using F = Float<L>;
+    const F root = fma(u, span, least);
+    const F c = clamp(root * root - least * least, F(0.0f), F(2.0f));
+    const F sine = safe_sqrt(c * (F(2.0f) - c));
+    const auto azimuth = sincos_2pi<L>(v);
+    return Frame<L>::from_normal(direction).to_world({sine * azimuth.cos, sine * azimuth.sin, F(1.0f) - c});
+  }
+  SHEAF_INLINE typename L::Float pdf(Vec3<L> w) const {
+    using F = Float<L>;
+    const F c = clamp(F(1.0f) - dot(direction, w), F(0.0f), F(2.0f));
+    return F(0.25f * kInvPi) / (span * sqrt(fma(least, least, c)));
+  }
+};
+
+template <class L> SHEAF_INLINE GlowLobe<L> lobe_of(const GlowSource& group, Vec3<L> p) {
+  using F = Float<L>;
+  // Wide enough that rounding of the cosine does not matter.
+  constexpr float kLeast = 2e-6f;
+  const Vec3<L> d = broadcast<L>(group.center) - p;
+  const F squared = max(dot(d, d), F(1e-30f)), inverse = F(1.0f) / sqrt(squared);
+  const F size = min(F(group.radius) * inverse, F(1.0f));
+  const F c0 = fma(F(0.5f) * size, size, F(kLeast));
+  const F least = sqrt(c0);
+  const auto inside = squared <= F(1e-30f);
+  const Vec3<L> direction = select<L>(inside, Vec3<L>{F(0.0f), F(0.0f), F(1.0f)}, d * inverse);
+  const F distance = max(squared * inverse, F(group.radius));
+  return {direction, F(group.power) / distance, least, sqrt(F(2.0f) + c0) - least};
+}
+
+}  // namespace
+
+template <class L>
+GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, const Random4<L>& u) noexcept {
+  using F = Float<L>;
+  const F a = select(lanes, F(kGlowBsdfProbability), F(1.0f));
+  GuideSample<L> out{};
+  out.bsdf_u = min(u.x / a, F(kOneMinusEpsilon));
+  out.taken = u.x >= a;
+  if (!any(out.taken)) return out;
+  // Choose a lobe and sample it
+  GlowLobe<L> lobes[kMaxGlowSources];
+  F sum(0.0f), below(0.0f);
+  for (int k = 0; k < tree.glow_source_count; ++k) {
+    lobes[k] = lobe_of<L>(tree.glow_sources[k], p);
+    sum = sum + lobes[k].weight;
+  }
+  const F target = (u.x - a) / max(F(1.0f) - a, F(1e-6f)) * sum;
+  GlowLobe<L> chosen = lobes[0];
+  for (int k = 1; k < tree.glow_source_count; ++k) {
+    below = below + lobes[k - 1].weight;
+    const auto beyond = target >= below;
+    chosen = {select<L>(beyond, lobes[k].direction, chosen.direction), chosen.weight,
+              select(beyond, lobes[k].least, chosen.least), select(beyond, lobes[k].span, chosen.span)};
+  }
+  out.direction = chosen.sample(u.y, u.z);
+  return out;
+}
+
+template <class L>
+GuideValue<L> evaluate_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, Vec3<L> direction) noexcept {
+  using F = Float<L>;
+  F sum(0.0f), weighted(0.0f);
+  if (any(lanes))
+    for (int k = 0; k < tree.glow_source_count; ++k) {
+      const GlowLobe<L> lobe = lobe_of<L>(tree.glow_sources[k], p);
+      sum = sum + lobe.weight;
+      weighted = fma(lobe.weight, lobe.pdf(direction), weighted);
+    }
+  return {select(lanes, F(kGlowBsdfProbability), F(1.0f)), select(lanes, weighted / max(sum, F(1e-37f)), F(0.0f))};
+}
+
+template GuideSample<Wide> sample_glow(const LightTreeView&, Vec3<Wide>, Mask<Wide>, const Random4<Wide>&) noexcept;
+template GuideSample<Scalar> sample_glow(const LightTreeView&, Vec3<Scalar>, Mask<Scalar>,
+                                         const Random4<Scalar>&) noexcept;
+template GuideValue<Wide> evaluate_glow(const LightTreeView&, Vec3<Wide>, Mask<Wide>, Vec3<Wide>) noexcept;
+template GuideValue<Scalar> evaluate_glow(const LightTreeView&, Vec3<Scalar>, Mask<Scalar>, Vec3<Scalar>) noexcept;
+
+}  // namespace sheaf

@@ -1,0 +1,24 @@
+// Guiding towards the glow of lights in fog, without training. Light that fog scatters once towards a point is
+// brightest around lights: at the angle a from the direction to a point light at distance D, its radiance is
+// proportional to (pi - a) / (D sin a). One lobe for each group of lights has nearly this shape,
+//     pdf(a) = 1 / (4 pi (sqrt(2 + c0) - sqrt(c0)) sqrt(c + c0)),  c = 1 - cos a.
+// c0 widens the lobe to the size of the group.
+#pragma once
+
+#include "kernels/guiding/guide_sample.h"
+#include "scene/tables/light_tree.h"
+
+namespace sheaf {
+
+/// Probability of sampling the BSDF where the lobes are used.
+inline constexpr float kGlowBsdfProbability = 0.7f;
+
+/// As sample_guide(), at the points `p` in `lanes`. The tree must have glow sources.
+template <class L>
+GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, const Random4<L>& u) noexcept;
+
+/// As evaluate_guide(), at the points `p` in `lanes`.
+template <class L>
+GuideValue<L> evaluate_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, Vec3<L> direction) noexcept;
+
+}  // namespace sheaf

@@ -1,0 +1,154 @@
+// Stage: segment lights. Next-event estimation along rays in homogeneous media: chooses a light for the segment of the
+// ray in the medium, a point on the segment by equiangular sampling, and then a point on the light as seen from there
+// (Kulla and Fajardo 2012). It finds the glow around lamps in thin media, where few paths scatter. MIS combines it with
+// sampling of distances (kernels/stages/segment_mis.h).
+//
+// The shadow ray's r_u and r_l are those of a path that has scattered at the point by chance, so that the transmittance
+// stage computes the same weight against sampling of directions.
+#include "kernels/lights/light_sample.h"
+#include "kernels/media/phase_value.h"
+#include "kernels/stages/medium_ray.h"
+#include "kernels/stages/push_shadow_ray.h"
+#include "kernels/stages/segment_mis.h"
+#include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
+#include "kernels/wave/stage_timer.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Added to the dimension of a path, so that its numbers are independent of those of its vertices.
+constexpr std::uint32_t kSegmentDimension = 0x8000u;
+/// Connections survive Russian roulette with probability kKeptWeight times their MIS weight: the others add little.
+constexpr float kKeptWeight = 2;
+
+/// Rays in the same medium.
+template <class L> struct SegmentTile {
+  const Slot* slots;
+  Mask<L> lanes;
+  RayState<L> ray;
+  PathState<L> path;
+  Spectrum<L> lambda;  ///< wavelengths; empty in RGB mode
+};
+
+/// Coefficients of a homogeneous medium, 1/m.
+template <class L> struct Coefficients { Spectrum<L> sigma_s, sigma_t; };
+
+template <class L, ColorMode kMode>
+SHEAF_INLINE Coefficients<L> coefficients(const SceneView& scene, std::uint32_t row, const Spectrum<L>& lambda) {
+  const MediumRow& medium = scene.media.rows[row];
+  const auto spectrum = [&](std::uint32_t k, const float(&rgb)[4]) SHEAF_LAMBDA_INLINE {
+    using F = Float<L>;
+    if constexpr (kMode == ColorMode::kRgb) return Spectrum<L>{F(rgb[0]), F(rgb[1]), F(rgb[2]), F(rgb[3])};
+    return evaluate<L>(scene.spectral.media, Uint<L>(row * std::uint32_t{kMediumSpectra} + k), scene.spectral.tables,
+                       lambda);
+  };
+  const Spectrum<L> first = spectrum(0, medium.first), second = spectrum(1, medium.second);
+  if ((medium.flags & kMediumAbsorptionScattering) != 0) return {second, first + second};
+  return {first * second, first};
+}
+
+/// Distances at which the rays of a tile end.
+template <class L> SHEAF_INLINE Float<L> ends_of(const SceneView& scene, const Wave& wave, const SegmentTile<L>& tile) {
+  const HitState<L> hit = wave.hits.gather<L>(tile.slots);
+  const auto misses = hit.shape == Uint<L>(kNone);
+  return select(misses, min(hit.t, medium_end<L>(scene, tile.ray.origin, tile.ray.direction)), hit.t);
+}
+
+/// Connects the rays of a tile, which are in the medium of row `row`.
+template <class L, ColorMode kMode>
+void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>& tile, std::uint32_t row) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const SceneView& scene = context.scene;
+  const RayState<L>& ray = tile.ray;
+  const Coefficients<L> c = coefficients<L, kMode>(scene, row, tile.lambda);
+  const ScatteringPdf<L> by_path = scattering_pdf<L>(context, c.sigma_t, ray.flags);
+  const F length = min(ends_of<L>(scene, wave, tile), segment_reach<L>(scene.color, c.sigma_t));
+  // Choose a light, and a point on the segment
+  const U dimension = tile.path.dimension() | U(kSegmentDimension);
+  const Random4<L> u = draw<L>(context.sampler, tile.path.pixel, tile.path.sample, dimension, SampleBlock::kLight);
+  const Random4<L> more =
+      draw<L>(context.sampler, tile.path.pixel, tile.path.sample, dimension, SampleBlock::kResample, {});
+  const SegmentLight<L> chosen = choose_segment_light<L>(scene.lights.tree, {ray.origin, ray.direction, length}, u.x);
+  const F t = chosen.density.sample(more.x, length);
+  const F pdf = chosen.probability * chosen.density.pdf(t);
+  // Sample a point on the light
+  const LightSampleContext<L> at{ray.origin + ray.direction * t, {}};
+  const LightSample<L> light = sample_light<L, kMode>(scene, at, {chosen.light, F(1.0f)}, u,
+                                                      path_times<L>(scene, wave, tile.slots), tile.lambda);
+  auto lanes = tile.lanes & (pdf > F(0.0f)) & light.valid & (light.pdf_solid_angle > F(0.0f)) &
+               (light.target_medium == U(kNone));
+  if (!any(lanes)) return;
+  // Weight the sample against sampling of distances
+  const F point_pdf = choice_probability<L>(scene, at, chosen.light);
+  const Spectrum<L> r_u = wave.rescaled_pdfs.gather<L>(tile.slots).r_u;
+  const Spectrum<L> passed = map_spectrum<L>(c.sigma_t, [t](F sigma) { return exp(sigma * -t); });
+  const Spectrum<L> scattered = r_u * by_path.at(passed);
+  const F pdf_ratio = lane_mean<L>(scene.color, r_u) / max(lane_mean<L>(scene.color, scattered), F(1e-37f));
+  const F rho = min(pdf * pdf_ratio / max(point_pdf, F(1e-30f)), F(1e15f)), scale = sqrt(fma(rho, rho, F(1.0f)));
+  const F weight = sqr(rho / scale);
+  const F kept = min(weight * F(kKeptWeight), F(1.0f));
+  lanes = lanes & (more.y < kept);
+  // Compute the contribution
+  const Frame<L> frame = Frame<L>::from_normal(-ray.direction);
+  const F phase = phase_value<L>(scene, scene.media.rows[row].phase, frame.to_local(light.direction));
+  const F factor = select(lanes, weight * phase / (kept * pdf * light.pdf_solid_angle), F(0.0f));
+  const Spectrum<L> contribution = tile.path.beta * passed * c.sigma_s * light.radiance * factor;
+  // Push the shadow rays
+  const auto only_light = light.delta | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
+  ShadowItem<L> shadow;
+  shadow.origin = at.p;
+  shadow.direction = light.target - at.p;
+  shadow.contribution = contribution;
+  shadow.slot = make_lanes<U>([&](int lane) SHEAF_LAMBDA_INLINE { return tile.slots[lane]; });
+  shadow.light = chosen.light;
+  TransmittanceItem<L> state;
+  state.r_u = state.r_l = scattered * pdf_ratio;
+  state.pdf_ratio =
+      select(only_light, F(0.0f),
+             phase / (light.pdf_solid_angle * point_pdf * scale * F(static_cast<float>(context.candidates))));
+  state.target_medium = U(kNone);
+  state.flags = (ray.flags & U(~kShadowFlags)) | U(kShadowFromSegment);
+  const auto pushed = lanes & is_finite(shadow.direction) & is_finite(total(contribution)) & !is_black<L>(contribution);
+  wave.transmittances.compress<L>(wave.shadow_count, state, pushed);
+  wave.shadow_count += wave.shadows.compress<L>(wave.shadow_count, shadow, pushed);
+}
+
+/// Connects the rays of a tile, one medium at a time.
+template <class L, ColorMode kMode>
+void connect_rays(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+  using U = Uint<L>;
+  const SceneView& scene = context.scene;
+  SegmentTile<L> tile{slots, Mask<L>(false), wave.rays.gather<L>(slots), wave.paths.gather<L>(slots),
+                      shading_wavelengths<L, kMode>(wave, slots)};
+  const U row = (tile.ray.flags >> kRayMediumShift) - U(1u);
+  const LaneArray<U> rows(row);
+  const auto scatters = ((tile.ray.flags & U(kRayLast)) == U(0u)) & L::first(count);
+  std::uint32_t left = mask_bits(scatters);
+  while (left != 0) {
+    const std::uint32_t medium = rows[std::countr_zero(left)];
+    tile.lanes = (row == U(medium)) & scatters;
+    if (connects_segments(scene.media.rows[medium])) connect_tile<L, kMode>(context, wave, tile, medium);
+    left &= ~mask_bits(tile.lanes);
+  }
+}
+
+}  // namespace
+
+template <class L> void segment_lights(const StageContext& context, Wave& wave) noexcept {
+  const int paths = wave.medium.size();
+  if (paths == 0) return;
+  StageTimer timer(wave.stats, stage_named<L>("segment_lights"));
+  timer.count(paths, L::width);
+  wave.medium.pad();
+  with_color_mode(context.scene, [&]<ColorMode kMode>() {
+    for_tiles<L>(paths,
+                 [&](int i, int count) { connect_rays<L, kMode>(context, wave, wave.medium.data() + i, count); });
+  });
+}
+
+SHEAF_INSTANTIATE_STAGE(segment_lights);
+
+}  // namespace sheaf
