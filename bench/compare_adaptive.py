@@ -7,8 +7,8 @@ with numpy and a build.
 Renders each scene with --noise-target, then uniformly with the mean number of samples that this took. Prints for both:
 samples per pixel; CPU seconds of the whole process; the noise of the frame (root mean square of the relative error);
 and the 95th percentile of the noise over tiles. `time` is the time of adaptive over uniform sampling to equal noise,
-assuming that squared noise is inversely proportional to time: by the noisy tiles, which a noise target controls, and by
-the frame.
+assuming that squared noise is inversely proportional to time: by the noisy tiles, and by the frame, whose noise is the
+target.
 
 No reference is needed: half the squared difference of two renders with different seeds is an unbiased estimate of the
 squared error of each. Tiles are 32 pixels wide; the worst 0.1 % of a tile's pixels are excluded.

@@ -20,7 +20,8 @@ constexpr std::uint32_t kDoubledSamples = 16;
 /// Number of samples that a set takes next. Sets have sizes 2^n or 1.5 * 2^n, because samplers stratify powers of two
 /// best.
 std::uint32_t next_samples(std::uint32_t taken) {
-  if (taken < kDoubledSamples) return std::max(kFirstSamples, taken);
+  if (taken < kMinSamples) return taken == 0 ? kFirstSamples : kMinSamples - taken;
+  if (taken < kDoubledSamples) return taken;
   return std::bit_floor(taken / 2);
 }
 
@@ -73,18 +74,19 @@ bool AdaptiveFilm::begin_round() {
   const std::uint32_t max_per_half = goal_.max_samples / kSets;
   // The variance of one half's mean is twice the variance of the mean of both halves.
   const double requested = 2 * goal_.noise * goal_.noise;
-  const std::vector<double> noise[2] = {spread_noise(0), spread_noise(1)};
+  std::vector<double> needed[2];
+  if (requested > 0)
+    for (int half = 0; half < 2; ++half) needed[half] = needed_samples(tile_noise(half), requested, max_per_half);
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
     const std::uint32_t taken = tile.sets[0].samples;
     if (tile.is_converged()) continue;
-    // Test both halves, and estimate the final number of samples by the noisier one: the variance is proportional to
-    // 1 / n.
+    // Test both halves, and estimate the final number of samples by the noisier one.
     const bool is_known = requested > 0 && taken >= kMinSamples;
     double expected = is_known ? taken : max_per_half;
     for (int half = 0; half < 2; ++half) {
-      tile.converged[half] = tile.converged[half] || taken >= max_per_half || (is_known && noise[half][i] <= requested);
-      if (is_known && !tile.converged[half]) expected = std::max(expected, taken * noise[half][i] / requested);
+      tile.converged[half] = tile.converged[half] || taken >= max_per_half || (is_known && needed[half][i] <= taken);
+      if (is_known && !tile.converged[half]) expected = std::max(expected, needed[half][i]);
     }
     expected = std::min(samples_of_set(std::min(expected, 1.0 * max_per_half)), 1.0 * max_per_half);
     const std::uint32_t next = tile.is_converged() ? 0 : std::min(next_samples(taken), max_per_half - taken);
@@ -143,15 +145,21 @@ void AdaptiveFilm::add_luminance(const Tile& tile, Set& set, const FilmTile& sam
   });
 }
 
+std::uint32_t AdaptiveFilm::judged_samples(const Tile& tile, int half) {
+  // The luminance of a half grows as long as the image uses the samples of the other half.
+  return tile.sets[2 * (1 - half)].used;
+}
+
 double AdaptiveFilm::mean_luminance(int half) const {
   double weight = 0, value = 0;
   for (const Tile& tile : tiles_)
     for (int s = 2 * half; s < 2 * half + 2; ++s) {
-      const Set& set = tile.sets[s];
-      if (set.samples == 0) continue;
-      for (std::size_t i = 0; i < set.luminance.size(); i += 2) {
-        weight += set.luminance[i] / set.samples;
-        value += set.luminance[i + 1] / set.samples;
+      const std::uint32_t samples = judged_samples(tile, half);
+      const std::vector<double>& luminance = tile.sets[s].luminance;
+      if (samples == 0) continue;
+      for (std::size_t i = 0; i < luminance.size(); i += 2) {
+        weight += luminance[i] / samples;
+        value += luminance[i + 1] / samples;
       }
     }
   return weight > 0 ? value / weight : 0.0;
@@ -160,7 +168,7 @@ double AdaptiveFilm::mean_luminance(int half) const {
 std::optional<double> AdaptiveFilm::noise_squared(const Tile& tile, int half, double mean_luminance) {
   const std::vector<double>&a = tile.sets[2 * half].luminance, &b = tile.sets[2 * half + 1].luminance;
   const PixelRect& pixels = tile.judged();
-  std::vector<double> relative;
+  double sum = 0, count = 0;
   for_each_pixel(pixels, [&](int x, int y) {
     const std::size_t i = 2 * index_in(pixels, x, y);
     if (!(a[i] > 0) || !(b[i] > 0)) return;
@@ -175,24 +183,26 @@ std::optional<double> AdaptiveFilm::noise_squared(const Tile& tile, int half, do
     });
     const double first = a[i + 1] / a[i], second = b[i + 1] / b[i], apart = first - second;
     const double level = std::max(weight > 0 ? value / weight : 0.0, std::min(first, second));
-    relative.push_back(relative_square(level, apart * apart / 4, mean_luminance));
+    sum += relative_square(level, apart * apart / 4, mean_luminance);
+    count += 1;
   });
-  if (relative.empty()) return std::nullopt;
-  return mean_but_worst(relative);
+  if (count == 0) return std::nullopt;
+  return sum / count;
 }
 
-std::vector<double> AdaptiveFilm::spread_noise(int half) const {
+std::vector<TileNoise> AdaptiveFilm::tile_noise(int half) const {
   const double mean = mean_luminance(half);
   // Estimate the noise of each tile
-  std::vector<double> own(tiles_.size());
+  std::vector<TileNoise> tiles(tiles_.size());
   std::map<std::pair<int, int>, double> known;
-  for (std::size_t i = 0; i < tiles_.size(); ++i)
-    if (const auto noise = noise_squared(tiles_[i], half, mean)) {
-      own[i] = *noise;
-      known[{tiles_[i].square.x0, tiles_[i].square.y0}] = *noise;
-    }
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    const Tile& tile = tiles_[i];
+    const auto samples = static_cast<double>(judged_samples(tile, half));
+    tiles[i] = {static_cast<double>(tile.own.area()), 0, 0, samples, tile.converged[half]};
+    const auto noise = noise_squared(tile, half, mean);
+    if (noise) known[{tile.square.x0, tile.square.y0}] = tiles[i].variance = samples * *noise;
+  }
   // Raise it to the mean of the neighborhood
-  std::vector<double> spread = own;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     const PixelRect& square = tiles_[i].square;
     double sum = 0, count = 0;
@@ -203,9 +213,9 @@ std::vector<double> AdaptiveFilm::spread_noise(int half) const {
         sum += at->second;
         count += 1;
       }
-    if (count > 0) spread[i] = std::max(own[i], sum / count);
+    tiles[i].spread_variance = std::max(tiles[i].variance, count > 0 ? sum / count : 0.0);
   }
-  return spread;
+  return tiles;
 }
 
 void AdaptiveFilm::assemble(Film& film) const {

@@ -1,5 +1,5 @@
-// Film for adaptive sampling. It divides the frame into tiles and decides in rounds which tiles need more samples. Each
-// tile has four independent sets of samples.
+// Film for adaptive sampling. It divides the frame into tiles and decides in rounds which tiles need more samples for
+// the noise target of the image (kernels/film/tile_samples.h). Each tile has four independent sets of samples.
 //
 // If the number of samples depends on the samples themselves, the mean is biased: a pixel stops too early while it has
 // missed its rare bright samples. Therefore two of the sets form half A and the other two half B. The difference
@@ -10,14 +10,15 @@
 #pragma once
 
 #include "kernels/film/film.h"
+#include "kernels/film/tile_samples.h"
 
 #include <optional>
 
 namespace sheaf {
 
-/// Stopping criterion of tiles.
+/// Stopping criterion.
 struct AdaptiveGoal {
-  /// Target for the relative standard error of a tile's pixels, approximately as in Film::noise(). 0 disables the
+  /// Target for the relative standard error of the image's pixels, approximately as in Film::noise(). 0 disables the
   /// target: all tiles take max_samples.
   double noise = 0;
   std::uint32_t max_samples = 4;  ///< per pixel, at least kSets
@@ -33,10 +34,10 @@ struct AdaptiveUnit {
 
 /// The number of samples that adaptive sampling has taken.
 struct AdaptiveSummary {
-  double noise_target = 0;  ///< target noise of each tile; 0: none
+  double noise_target = 0;  ///< target noise of the image; 0: none
   double mean_samples = 0;  ///< per pixel, of the samples that are used
   std::uint32_t min_samples = 0, max_samples = 0;
-  std::uint64_t tiles = 0, reached = 0;  ///< tiles of the image, and tiles that reached the target
+  std::uint64_t tiles = 0, reached = 0;  ///< tiles of the image, and those with enough samples
 };
 
 /// Sample sums of all tiles and sets.
@@ -98,13 +99,16 @@ class AdaptiveFilm {
   void add_sums(const Tile& tile, Set& set, const FilmTile& samples) const;
   static void add_luminance(const Tile& tile, Set& set, const FilmTile& samples);
   void add_variances(const Tile& tile, Film& film) const;
+  /// Samples per pixel of each set of a half from which the noise of a tile is estimated.
+  static std::uint32_t judged_samples(const Tile& tile, int half);
   double mean_luminance(int half) const;
-  /// Relative variance of the mean of one half, estimated from its two sets: the mean over a tile's pixels without the
-  /// worst 0.1%. Returns nothing if no pixel has samples in both sets.
+  /// Relative variance of the mean of one half, estimated from its two sets: the mean over a tile's pixels. It includes
+  /// the worst pixels: most tiles have found only a few of the rare bright samples that dominate their noise. Returns
+  /// nothing if no pixel has samples in both sets.
   static std::optional<double> noise_squared(const Tile& tile, int half, double mean_luminance);
-  /// noise_squared() of all tiles. Each value is at least the mean over the tile and its eight neighbors, because few
-  /// samples often miss rare bright ones.
-  std::vector<double> spread_noise(int half) const;
+  /// noise_squared() of all tiles. The spread variance is at least the mean over the tile and its eight neighbors,
+  /// because few samples often miss rare bright ones.
+  std::vector<TileNoise> tile_noise(int half) const;
 
   FilmRow row_;
   std::vector<std::size_t> halved_;  ///< channels with FilmChannel::has_half

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Samples per pixel that adaptive sampling takes at once.
-constexpr std::uint32_t kAdaptiveBatch = 16;
+constexpr std::uint32_t kAdaptiveBatch = kTaskSamples / (kAdaptiveSide * kAdaptiveSide);
 
 /// Photons per task, and tasks per round. The splats of a round are kept until it ends.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;

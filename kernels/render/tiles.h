@@ -14,7 +14,7 @@ inline constexpr int kTaskSamples = 16384;
 /// Maximum samples per pixel and pass. A barrier separates passes; within a pass each tile has one owner.
 inline constexpr std::uint32_t kPassSamples = 256;
 /// Side of the tiles of adaptive sampling, pixels.
-inline constexpr int kAdaptiveSide = 32;
+inline constexpr int kAdaptiveSide = 16;
 
 /// Side of the tiles of a pass of `samples` samples per pixel, pixels.
 inline int tile_side(std::uint32_t samples) {

@@ -36,8 +36,8 @@ std::string summarize(const RenderReport& report, const WrittenImages& written) 
   text += " in " + format_duration(report.render_seconds);
   if (report.noise && *report.noise > 0) text += ", noise " + percent(*report.noise);
   if (report.adaptive && report.adaptive->noise_target > 0 && report.adaptive->reached < report.adaptive->tiles)
-    text += fmt::format(" ({} of {} tiles reached {})", report.adaptive->reached, report.adaptive->tiles,
-                        percent(report.adaptive->noise_target));
+    text += fmt::format(" ({} of {} tiles have enough samples for {})", report.adaptive->reached,
+                        report.adaptive->tiles, percent(report.adaptive->noise_target));
   if (!written.denoiser.empty()) text += ", denoised by " + written.denoiser;
   if (const std::string files = written_files(written); !files.empty()) text += "; " + files;
   return text;

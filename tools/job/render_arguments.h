@@ -106,10 +106,11 @@ struct ImageArguments {
     command.begin_group(kSamplingOptions);
     command.add_option("--spp", spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
     command
-        .add_option("--noise-target", noise_target,
-                    "Adaptive sampling: sample each tile until the relative standard error of its pixels reaches this "
-                    "value (0.01 or 1%), or --spp samples are taken (then 65536 by default). For path tracing with the "
-                    "samplers sobol and independent")
+        .add_option(
+            "--noise-target", noise_target,
+            "Adaptive sampling: sample noisy tiles more, until the relative standard error of the image's pixels "
+            "reaches this value (0.01 or 1%), or --spp samples are taken (then 65536 by default). For path "
+            "tracing with the samplers sobol and independent")
         .fraction()
         .positive();
     command

@@ -41,7 +41,8 @@ std::string adaptive_line(const RenderReport& report) {
   const AdaptiveSummary& a = *report.adaptive;
   std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.min_samples, a.max_samples);
   if (a.noise_target > 0)
-    text += fmt::format("; {} of {} tiles have reached a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
+    text += fmt::format("; {} of {} tiles have enough samples for a noise of {:.2g} %", a.reached, a.tiles,
+                        a.noise_target * 100);
   return text + "\n";
 }
 
