@@ -9,9 +9,10 @@ namespace {
 
 /// The lobe of a group of lights as seen from a point.
 template <class L> struct GlowLobe {
-  Vec3<L> direction;              ///< to the center of the group, unit length
-  typename L::Float weight;       ///< power over distance
-  typename L::Float least, span;  ///< sqrt(c0), and sqrt(2 + c0) - sqrt(c0)
+  Vec3<L> direction;               ///< to the center of the group, unit length
+  typename L::Float weight;        ///< power over distance, times the transmittance
+  typename L::Float unattenuated;  ///< power over distance
+  typename L::Float least, span;   ///< sqrt(c0), and sqrt(2 + c0) - sqrt(c0)
 
   SHEAF_INLINE Vec3<L> sample(typename L::Float u, typename L::Float v) const {
     using F = Float<L>;
@@ -28,7 +29,7 @@ template <class L> struct GlowLobe {
   }
 };
 
-template <class L> SHEAF_INLINE GlowLobe<L> lobe_of(const GlowSource& group, Vec3<L> p) {
+template <class L> SHEAF_INLINE GlowLobe<L> lobe_of(const GlowSource& group, Vec3<L> p, Float<L> extinction) {
   using F = Float<L>;
   // Wide enough that rounding of the cosine does not matter.
   constexpr float kLeast = 2e-6f;
@@ -40,55 +41,75 @@ template <class L> SHEAF_INLINE GlowLobe<L> lobe_of(const GlowSource& group, Vec
   const auto inside = squared <= F(1e-30f);
   const Vec3<L> direction = select<L>(inside, Vec3<L>{F(0.0f), F(0.0f), F(1.0f)}, d * inverse);
   const F distance = max(squared * inverse, F(group.radius));
-  return {direction, F(group.power) / distance, least, sqrt(F(2.0f) + c0) - least};
+  const F unattenuated = F(group.power) / distance;
+  return {direction, unattenuated * exp(max(extinction, F(0.0f)) * -distance), unattenuated, least,
+          sqrt(F(2.0f) + c0) - least};
 }
+
+template <class L> struct LobeSums {
+  typename L::Float weight{}, unattenuated{};
+
+  SHEAF_INLINE void add(const GlowLobe<L>& lobe) {
+    weight = weight + lobe.weight;
+    unattenuated = unattenuated + lobe.unattenuated;
+  }
+  SHEAF_INLINE typename L::Float bsdf_probability(typename L::Float extinction) const {
+    using F = Float<L>;
+    // Underflow of all weights leaves no lobe to sample.
+    const F transmittance = select(weight > F(1e-30f), weight / max(unattenuated, F(1e-37f)), F(0.0f));
+    return select(extinction >= F(0.0f), fma(F(-kGlowProbability), transmittance, F(1.0f)), F(1.0f));
+  }
+};
 
 }  // namespace
 
 template <class L>
-GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, const Random4<L>& u) noexcept {
+GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Float<L> extinction, const Random4<L>& u) noexcept {
   using F = Float<L>;
-  const F a = select(lanes, F(kGlowBsdfProbability), F(1.0f));
+  GlowLobe<L> lobes[kMaxGlowSources];
+  LobeSums<L> sums;
+  for (int k = 0; k < tree.glow_source_count; ++k) {
+    lobes[k] = lobe_of<L>(tree.glow_sources[k], p, extinction);
+    sums.add(lobes[k]);
+  }
+  // Choose between BSDF and lobes
+  const F a = sums.bsdf_probability(extinction);
   GuideSample<L> out{};
   out.bsdf_u = min(u.x / a, F(kOneMinusEpsilon));
   out.taken = u.x >= a;
   if (!any(out.taken)) return out;
   // Choose a lobe and sample it
-  GlowLobe<L> lobes[kMaxGlowSources];
-  F sum(0.0f), below(0.0f);
-  for (int k = 0; k < tree.glow_source_count; ++k) {
-    lobes[k] = lobe_of<L>(tree.glow_sources[k], p);
-    sum = sum + lobes[k].weight;
-  }
-  const F target = (u.x - a) / max(F(1.0f) - a, F(1e-6f)) * sum;
+  const F target = (u.x - a) / max(F(1.0f) - a, F(1e-30f)) * sums.weight;
+  F below(0.0f);
   GlowLobe<L> chosen = lobes[0];
   for (int k = 1; k < tree.glow_source_count; ++k) {
     below = below + lobes[k - 1].weight;
     const auto beyond = target >= below;
-    chosen = {select<L>(beyond, lobes[k].direction, chosen.direction), chosen.weight,
-              select(beyond, lobes[k].least, chosen.least), select(beyond, lobes[k].span, chosen.span)};
+    chosen.direction = select<L>(beyond, lobes[k].direction, chosen.direction);
+    chosen.least = select(beyond, lobes[k].least, chosen.least);
+    chosen.span = select(beyond, lobes[k].span, chosen.span);
   }
   out.direction = chosen.sample(u.y, u.z);
   return out;
 }
 
 template <class L>
-GuideValue<L> evaluate_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, Vec3<L> direction) noexcept {
+GuideValue<L> evaluate_glow(const LightTreeView& tree, Vec3<L> p, Float<L> extinction, Vec3<L> direction) noexcept {
   using F = Float<L>;
-  F sum(0.0f), weighted(0.0f);
-  if (any(lanes))
-    for (int k = 0; k < tree.glow_source_count; ++k) {
-      const GlowLobe<L> lobe = lobe_of<L>(tree.glow_sources[k], p);
-      sum = sum + lobe.weight;
-      weighted = fma(lobe.weight, lobe.pdf(direction), weighted);
-    }
-  return {select(lanes, F(kGlowBsdfProbability), F(1.0f)), select(lanes, weighted / max(sum, F(1e-37f)), F(0.0f))};
+  if (!any(extinction >= F(0.0f))) return {F(1.0f), F(0.0f)};
+  LobeSums<L> sums;
+  F weighted(0.0f);
+  for (int k = 0; k < tree.glow_source_count; ++k) {
+    const GlowLobe<L> lobe = lobe_of<L>(tree.glow_sources[k], p, extinction);
+    sums.add(lobe);
+    weighted = fma(lobe.weight, lobe.pdf(direction), weighted);
+  }
+  return {sums.bsdf_probability(extinction), weighted / max(sums.weight, F(1e-37f))};
 }
 
-template GuideSample<Wide> sample_glow(const LightTreeView&, Vec3<Wide>, Mask<Wide>, const Random4<Wide>&) noexcept;
-template GuideSample<Scalar> sample_glow(const LightTreeView&, Vec3<Scalar>, Mask<Scalar>,
-                                         const Random4<Scalar>&) noexcept;
-template GuideValue<Wide> evaluate_glow(const LightTreeView&, Vec3<Wide>, Mask<Wide>, Vec3<Wide>) noexcept;
-template GuideValue<Scalar> evaluate_glow(const LightTreeView&, Vec3<Scalar>, Mask<Scalar>, Vec3<Scalar>) noexcept;
+template GuideSample<Wide> sample_glow(const LightTreeView&, Vec3<Wide>, WideFloat, const Random4<Wide>&) noexcept;
+template GuideSample<Scalar> sample_glow(const LightTreeView&, Vec3<Scalar>, float, const Random4<Scalar>&) noexcept;
+template GuideValue<Wide> evaluate_glow(const LightTreeView&, Vec3<Wide>, WideFloat, Vec3<Wide>) noexcept;
+template GuideValue<Scalar> evaluate_glow(const LightTreeView&, Vec3<Scalar>, float, Vec3<Scalar>) noexcept;
 
 }  // namespace sheaf

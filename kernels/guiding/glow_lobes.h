@@ -10,15 +10,17 @@
 
 namespace sheaf {
 
-/// Probability of sampling the BSDF where the lobes are used.
-inline constexpr float kGlowBsdfProbability = 0.7f;
+/// Probability of sampling the lobes instead of the BSDF if the fog does not attenuate the lights. Otherwise it is
+/// multiplied by their mean transmittance: thick fog hides its lights.
+inline constexpr float kGlowProbability = 0.3f;
 
-/// As sample_guide(), at the points `p` in `lanes`. The tree must have glow sources.
+/// As sample_guide(), at the points `p`. `extinction`: of the fog, 1/m; negative: no fog, the BSDF is sampled. The tree
+/// must have glow sources.
 template <class L>
-GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, const Random4<L>& u) noexcept;
+GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Float<L> extinction, const Random4<L>& u) noexcept;
 
-/// As evaluate_guide(), at the points `p` in `lanes`.
+/// As evaluate_guide(), likewise.
 template <class L>
-GuideValue<L> evaluate_glow(const LightTreeView& tree, Vec3<L> p, Mask<L> lanes, Vec3<L> direction) noexcept;
+GuideValue<L> evaluate_glow(const LightTreeView& tree, Vec3<L> p, Float<L> extinction, Vec3<L> direction) noexcept;
 
 }  // namespace sheaf

@@ -104,10 +104,14 @@ SHEAF_INLINE EquiangularDensity<L> density_of_child(const NodeWords<L>& node, ty
 
 }  // namespace light_tree_detail
 
+/// Segments that subtend a smaller angle at a light are not connected to it: the light is far away, and all points are
+/// about as good.
+inline constexpr float kLeastSegmentAngle = 0.3f;
+
 /// A light for a segment, and the density of points for it.
 template <class L> struct SegmentLight {
   typename L::Uint light;         ///< its index; 0 unless the probability is positive
-  typename L::Float probability;  ///< of choosing it; 0: no light can reach the segment
+  typename L::Float probability;  ///< of choosing it; 0: no light can reach the segment, or the angle is too small
   EquiangularDensity<L> density;
 };
 
@@ -135,8 +139,10 @@ SHEAF_INLINE SegmentLight<L> choose_segment_light(const LightTreeView& tree, con
   const auto valid = state.possible();
   const U row = select(valid, position & U(~kLightLeaf), U(0u));
   const U light = gather(tree.nodes->lights, (row >> 2) * U(kRowWords) + (row & U(3u)));
-  return {select(valid, light, U(0u)), select(valid, state.pmf_numerator / state.pmf_denominator, F(0.0f)),
-          density_of_child<L>(leaf, branch, segment)};
+  const EquiangularDensity<L> density = density_of_child<L>(leaf, branch, segment);
+  const auto connects = valid & (density.extent >= F(kLeastSegmentAngle));
+  return {select(connects, light, U(0u)), select(connects, state.pmf_numerator / state.pmf_denominator, F(0.0f)),
+          density};
 }
 
 /// The probability with which choose_segment_light() chooses `light`, and its density. The probability is 0 in lanes
@@ -165,8 +171,9 @@ SHEAF_INLINE SegmentLight<L> find_segment_light(const LightTreeView& tree, const
     trail = trail >> 2;
     index = select(active, position, U(0u));
   }
-  return {light, select(pmf_numerator > F(0.0f), pmf_numerator / pmf_denominator, F(0.0f)),
-          density_of_child<L>(leaf, branch, segment)};
+  const EquiangularDensity<L> density = density_of_child<L>(leaf, branch, segment);
+  const auto connects = (pmf_numerator > F(0.0f)) & (density.extent >= F(kLeastSegmentAngle));
+  return {light, select(connects, pmf_numerator / pmf_denominator, F(0.0f)), density};
 }
 
 }  // namespace sheaf

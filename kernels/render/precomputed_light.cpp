@@ -21,8 +21,7 @@ void PrecomputedLight::train(const RenderSettings& settings, Workers& workers, S
                        settings.compares_candidates, guide_training_);
   if (settings.compares_candidates) {
     const CandidateChoice& choice = guide_training_.candidates;
-    // Beside lamps in fog, one candidate has rare, large errors, which training passes seldom see.
-    context.candidates = std::max(choice.count, connects_segments(context) ? 2 : 1);
+    context.candidates = choice.count;
     candidates_ = {context.candidates, {choice.gains.begin(), choice.gains.end()}};
   }
   if (guide_training_.report.is_used)

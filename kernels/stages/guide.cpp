@@ -2,6 +2,7 @@
 // all parts of a blend share. Without a guide, marks vertices in media that glow around lights
 // (kernels/guiding/glow_lobes.h).
 #include "kernels/stages/guided.h"
+#include "kernels/stages/segment_mis.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -9,21 +10,27 @@ namespace sheaf {
 
 namespace {
 
+/// Stores the extinction of the media that vertices lie in, if they sample the glow of lights; see glow_extinction().
+template <class L> SHEAF_INLINE void mark_glow(const StageContext& context, Wave& wave, const Slot* slots, int column) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  const U medium = wave.rays.gather<L>(slots).flags >> kRayMediumShift;
+  const auto inside = medium != U(0u);
+  const U row = select(inside, medium - U(1u), U(0u));
+  const MediumRow* const rows = context.scene.media.rows;
+  const auto glows = inside & connects_segments<L>(gather_member<L>(rows, &MediumRow::flags, row)) &
+                     (wave.paths.gather<L>(slots).depth() < U(kConnectedDepth));
+  const F extinction = select(glows, gather_member<L>(rows, &MediumRow::mean_extinction, row), F(-1.0f));
+  wave.guide_cells.store<L>(column, {float_bits(extinction), U(kGuideMedia)});
+}
+
 /// Not a template over the closure, so that all kinds share one copy of the code.
 template <class L> void guide_run(const StageContext& context, Wave& wave, const VertexRun& run, bool in_medium) {
   using U = Uint<L>;
   for_tiles<L>(run.count, [&](int i, int) {
     const int column = run.column_begin + i;
     const Slot* const slots = wave.sorted.data() + run.slot_begin + i;
-    if (!context.samples_guide()) {
-      const U medium = wave.rays.gather<L>(slots).flags >> kRayMediumShift;
-      const auto inside = medium != U(0u);
-      const U flags =
-          gather_member<L>(context.scene.media.rows, &MediumRow::flags, select(inside, medium - U(1u), U(0u)));
-      wave.guide_cells.store<L>(column,
-                                {select(inside & connects_segments<L>(flags), U(kInGlow), U(0u)), U(kGuideMedia)});
-      return;
-    }
+    if (!context.samples_guide()) return mark_glow<L>(context, wave, slots, column);
     const auto item = wave.vertices.load<L>(column);
     U side(kGuideMedia);
     if (!in_medium) {

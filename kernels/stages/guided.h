@@ -27,27 +27,29 @@ namespace sheaf {
 /// Whether vertices with this closure may sample the guide.
 template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !kDisperses<Bsdf>;
 
-/// GuideCell::row of vertices that sample the glow of lights.
-inline constexpr std::uint32_t kInGlow = 1;
+/// Extinction of the media that the vertices of the columns from `column` on lie in, 1/m; negative outside of fog.
+/// Valid if the glow of lights is sampled instead of the guide.
+template <class L> SHEAF_INLINE Float<L> glow_extinction(const Wave& wave, int column) {
+  return bits_float(wave.guide_cells.load<L>(column).row);
+}
 
 /// The guide's value for a direction, at those vertices of the columns from `column` on that are set in `lanes`.
 template <class L>
 SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
                                        Vec3<L> direction) {
-  const Uint<L> rows = wave.guide_cells.load<L>(column).row;
-  if (context.samples_guide()) return evaluate_guide<L>(context.guide(), rows, mask_bits(lanes), direction);
-  return evaluate_glow<L>(context.scene.lights.tree, wave.vertices.load<L>(column).p,
-                          lanes & (rows == Uint<L>(kInGlow)), direction);
+  if (context.samples_guide())
+    return evaluate_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
+  const Float<L> extinction = select(lanes, glow_extinction<L>(wave, column), Float<L>(-1.0f));
+  return evaluate_glow<L>(context.scene.lights.tree, wave.vertices.load<L>(column).p, extinction, direction);
 }
 
 /// Chooses between BSDF and guide for the first `count` vertices of the columns from `column` on.
 template <class L>
 SHEAF_INLINE GuideSample<L> choose_guided(const StageContext& context, const Wave& wave, int column, int count,
                                           const Random4<L>& u) {
-  const Uint<L> rows = wave.guide_cells.load<L>(column).row;
-  if (context.samples_guide()) return sample_guide<L>(context.guide(), rows, count, u);
-  return sample_glow<L>(context.scene.lights.tree, wave.vertices.load<L>(column).p,
-                        L::first(count) & (rows == Uint<L>(kInGlow)), u);
+  if (context.samples_guide()) return sample_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, count, u);
+  const Float<L> extinction = select(L::first(count), glow_extinction<L>(wave, column), Float<L>(-1.0f));
+  return sample_glow<L>(context.scene.lights.tree, wave.vertices.load<L>(column).p, extinction, u);
 }
 
 /// Pdf of the guided parts of a blend.

@@ -178,7 +178,8 @@ void store_segment(const SceneView& scene, Wave& wave, const MediumPath& path, c
                    const Spectrum4& before, Float4 after, float t) {
   SegmentState<Scalar>& out = wave.segments.row(path.slot);
   out = {ray.origin, 0.0f, ray.direction, 0.0f};
-  if (!connects_segments(ray.medium) || (path.ray.flags & kRayLast) != 0) return;
+  if (!connects_segments(ray.medium) || (path.ray.flags & kRayLast) != 0 || path.state.depth() >= kConnectedDepth)
+    return;
   const Float4 sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
   out.length = min(ray.length, segment_reach<Scalar>(scene.color, to_spectrum(sigma_t)));
   if (!(t < out.length)) return;

@@ -125,7 +125,8 @@ void connect_rays(const StageContext& context, Wave& wave, const Slot* slots, in
                       shading_wavelengths<L, kMode>(wave, slots)};
   const U row = (tile.ray.flags >> kRayMediumShift) - U(1u);
   const LaneArray<U> rows(row);
-  const auto scatters = ((tile.ray.flags & U(kRayLast)) == U(0u)) & L::first(count);
+  const auto scatters =
+      ((tile.ray.flags & U(kRayLast)) == U(0u)) & (tile.path.depth() < U(kConnectedDepth)) & L::first(count);
   std::uint32_t left = mask_bits(scatters);
   while (left != 0) {
     const std::uint32_t medium = rows[std::countr_zero(left)];

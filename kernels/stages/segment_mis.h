@@ -16,6 +16,9 @@ namespace sheaf {
 
 /// Segments end where the mean transmittance has fallen to exp(-kSegmentDepth): the rest contributes little.
 inline constexpr float kSegmentDepth = 6;
+/// Rays are connected, and directions sampled towards the glow of lights, until paths have scattered that often. In
+/// dense media, later scatterings are many and gain nothing.
+inline constexpr std::uint32_t kConnectedDepth = 4;
 
 /// Length up to which segments are connected, m. `sigma_t`: extinction, 1/m.
 template <class L> SHEAF_INLINE Float<L> segment_reach(ColorMode color, const Spectrum<L>& sigma_t) {

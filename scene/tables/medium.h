@@ -33,6 +33,7 @@ struct MediumRow {
   std::uint32_t majorants = 0xffffffffu;  ///< into MediumView::majorants; kNone: homogeneous
   float first[4] = {};                    ///< sigma_t, or sigma_a
   float second[4] = {};                   ///< albedo, or sigma_s
+  float mean_extinction = 0;              ///< mean of red, green and blue, 1/m, in both modes; without grids
   float emission[4] = {};                 ///< radiance; emission per meter is sigma_a times this
   // Grids that multiply the above: rows of MediumView::grids; kNone: no grid.
   std::uint32_t density = 0xffffffffu;  ///< multiplies both coefficients; one channel

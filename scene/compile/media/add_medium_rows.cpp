@@ -64,6 +64,9 @@ class MediumRowBuilder {
       if (const auto* flakes = std::get_if<SggxDescription>(&medium.phase->model)) add_flakes(*flakes, m.where, row);
     // Bound the extinction
     set_flags(row, spectra);
+    for (int i = 0; i < 3; ++i)
+      row.mean_extinction +=
+          (row.first[i] + ((row.flags & kMediumAbsorptionScattering) != 0 ? row.second[i] : 0.0f)) / 3;
     if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
     tables_.rows.push_back(row);
     if (set_ != nullptr) out_.spectra.insert(out_.spectra.end(), std::begin(spectra), std::end(spectra));
