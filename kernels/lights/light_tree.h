@@ -71,6 +71,10 @@ template <class L> struct NodeWords {
     words[LightNodeRow::kMiddle + 1] = words[LightNodeRow::kMiddle + 1] - at.p.y;
     words[LightNodeRow::kMiddle + 2] = words[LightNodeRow::kMiddle + 2] - at.p.z;
   }
+  /// Sets the lanes `m`.
+  SHEAF_INLINE void set(Mask<L> m, const NodeWords& other) {
+    for (int k = 0; k < LightNodeRow::kWordCount; ++k) words[k] = select(m, other.words[k], words[k]);
+  }
   SHEAF_INLINE Uint<L> link() const { return float_bits(words[LightNodeRow::kLink]); }
 };
 
@@ -170,6 +174,10 @@ template <class L> struct Traversal {
   }
   /// False: no light below the current node can contribute.
   SHEAF_INLINE Mask<L> possible() const { return pmf_numerator > Float<L>(0.0f); }
+  /// The probability of reaching the current node.
+  SHEAF_INLINE Float<L> probability() const {
+    return select(possible(), pmf_numerator / pmf_denominator, Float<L>(0.0f));
+  }
 
   /// Samples a child and returns its index; updates the `active` lanes.
   SHEAF_INLINE Uint<L> sample_child(const ChildWeights<L>& children, Mask<L> active) {
@@ -338,16 +346,22 @@ SHEAF_INLINE LightTreeTraversal<L> begin_light_traversal(const LightTreeView& tr
   return {make_receiver<L>(p, n, has_normal), state, position};
 }
 
-/// The probability with which sample_light_tree() chooses `light` for the same point and normal. 0 in lanes that are
-/// not `active`, where `light` may hold any value.
-template <class L>
-SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
-                                             typename L::Uint light, Mask<L> active) {
-  using namespace light_tree_detail;
+namespace light_tree_detail {
+
+/// The leaf of a light.
+template <class L> struct FoundLeaf {
+  typename L::Float probability;  ///< of choosing it; 0 in lanes that are not active
+  NodeWords<L> node;              ///< its node, relative to the receiver or segment
+  typename L::Uint child;         ///< the child of that node
+};
+
+/// Descends to a light. `at`: see child_weights().
+template <class L, class At>
+SHEAF_INLINE FoundLeaf<L> descend_to_light(const LightTreeView& tree, const At& at, typename L::Uint light,
+                                           Mask<L> active) {
   using F = Float<L>;
   using U = Uint<L>;
-  if (tree.node_count == 0) return F(0.0f);
-  const Receiver<L> at = make_receiver<L>(p, n, has_normal);
+  FoundLeaf<L> out{};
   U trail = gather(tree.trails, select(active, light, U(0u)));
   U index(0u);
   F pmf_numerator = select(active, F(1.0f), F(0.0f)), pmf_denominator(1.0f);
@@ -358,12 +372,27 @@ SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> 
     const F sum = children.sum(), scale = reciprocal_power_of_two<L>(sum);
     pmf_numerator = select(active, pmf_numerator * (pick<L>(children.weights, child) * scale), pmf_numerator);
     pmf_denominator = select(active, pmf_denominator * (sum * scale), pmf_denominator);
+    out.child = select(active, child, out.child);
+    out.node.set(active, node);
     const U position = child_position<L>(node, index, child);
     active = active & ((position & U(kLightLeaf)) == U(0u)) & (pmf_numerator > F(0.0f));
     trail = trail >> 2;
     index = select(active, position, U(0u));
   }
-  return select(pmf_numerator > F(0.0f), pmf_numerator / pmf_denominator, F(0.0f));
+  out.probability = select(pmf_numerator > F(0.0f), pmf_numerator / pmf_denominator, F(0.0f));
+  return out;
+}
+
+}  // namespace light_tree_detail
+
+/// The probability with which sample_light_tree() chooses `light` for the same point and normal. 0 in lanes that are
+/// not `active`, where `light` may hold any value.
+template <class L>
+SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
+                                             typename L::Uint light, Mask<L> active) {
+  using namespace light_tree_detail;
+  if (tree.node_count == 0) return Float<L>(0.0f);
+  return descend_to_light<L>(tree, make_receiver<L>(p, n, has_normal), light, active).probability;
 }
 
 }  // namespace sheaf

@@ -4,7 +4,7 @@
 // A light tree chooses the light in proportion to power times the integral of 1 / distance^2 along the segment, which
 // is the angle that the segment subtends at the light, over the light's distance from the line. Conty Estevez and Kulla
 // (2018), section 5.3, use the same measure. Lights have a size: distances from the line are at least the radius of a
-// light's bounding sphere.
+// light's bounding sphere. The beams of spot lights are cones: points are sampled on the part of the segment within.
 #pragma once
 
 #include "core/sampling/warp.h"
@@ -28,20 +28,23 @@ using light_tree_detail::RaySegment;
 template <class L> struct EquiangularDensity {
   typename L::Float middle;         ///< distance along the ray of the point closest to the light, m
   typename L::Float height;         ///< of the light above the line, m; positive
-  typename L::Float first, extent;  ///< angle at the first point, and the angle that the segment subtends
+  typename L::Float first, extent;  ///< angle at the first point, and the angle that the points subtend
+  typename L::Float low, high;      ///< distances of the first and the last point, m
 
   /// Distance along the ray for u in [0, 1).
-  SHEAF_INLINE typename L::Float sample(typename L::Float u, typename L::Float length) const {
+  SHEAF_INLINE typename L::Float sample(typename L::Float u) const {
     using F = Float<L>;
     // The tangent has a period of half a turn.
     const SinCos<L> angle = sincos_2pi<L>(fma(fma(u, extent, first), F(0.5f * kInvPi), F(0.5f)));
     const F tangent = angle.sin / min(angle.cos, F(-1e-7f));
-    return clamp(fma(height, tangent, middle), F(0.0f), length);
+    return clamp(fma(height, tangent, middle), low, high);
   }
   /// Pdf of the distance `t`, 1/m.
   SHEAF_INLINE typename L::Float pdf(typename L::Float t) const {
-    const Float<L> along = t - middle;
-    return height / max(extent * fma(height, height, along * along), Float<L>(1e-37f));
+    using F = Float<L>;
+    const F along = t - middle;
+    const F inside = height / max(extent * fma(height, height, along * along), F(1e-37f));
+    return select((t >= low) & (t <= high), inside, F(0.0f));
   }
 };
 
@@ -75,18 +78,49 @@ template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& ch
   return {select(shines, weight, F(0.0f)), shines};
 }
 
-template <class L>
-SHEAF_INLINE EquiangularDensity<L> equiangular_density(const RaySegment<L>& segment, const SegmentView<L>& view) {
+/// Distances along a ray.
+template <class L> struct Interval {
+  typename L::Float low, high;  ///< m; empty unless low < high
+};
+
+/// The part of a segment in the beam of a light: a cone around its directions of emission that contains its bounding
+/// sphere. The whole segment if it emits to half a sphere or more. `child.center`: relative to the first point.
+template <class L> SHEAF_INLINE Interval<L> clip_to_beam(const LightChild<L>& child, const RaySegment<L>& segment) {
   using F = Float<L>;
-  const F left = segment.length - view.middle;
-  const F extent = atan2(view.height * segment.length, view.height * view.height - view.middle * left);
-  return {view.middle, view.height, atan2(-view.middle, view.height), extent};
+  const F zero(0.0f), one(1.0f), length = segment.length;
+  const F cosine = min(one - child.reach - child.spread, F(0.99999f));  // cos(a + b) >= cos(a) - sin(b)
+  const auto is_beam = (cosine > zero) & (child.keep_sign == Uint<L>(0xffffffffu));
+  if (!any(is_beam)) return {zero, length};
+  const F tilt = sqrt(max(dot(child.tilt, child.tilt), F(1e-30f)));
+  const Vec3<L> axis = child.tilt * (F(-1.0f) / tilt);
+  const F squared_cosine = cosine * cosine;
+  const F behind = child.radius / sqrt(one - min(squared_cosine, F(0.99998f)));
+  const Vec3<L> from = axis * behind - child.center;  // from the apex to the first point
+  // Points inside: a t^2 + 2 b t + c >= 0
+  const F along = dot(segment.direction, axis), start = dot(from, axis);
+  const F a = fma(along, along, -squared_cosine), b = along * start - squared_cosine * dot(from, segment.direction),
+          c = start * start - squared_cosine * dot(from, from);
+  const F square = b * b - a * c, q = -(b + select(b < zero, -one, one) * sqrt(max(square, zero)));
+  const F x = q / select(a == zero, F(1e-30f), a), y = c / select(q == zero, F(1e-30f), q);
+  const F near = min(x, y), far = max(x, y);
+  // A ray across the cone is inside between the roots, of which either cone has both; another one after or before both
+  const auto crosses = a < zero;
+  const F low = clamp(select(crosses | (along < zero), select(crosses, near, zero), far), zero, length);
+  const F high = clamp(select(crosses | (along > zero), select(crosses, far, length), near), zero, length);
+  const auto hits = (fma(F(0.5f) * (low + high), along, start) > zero) & ((square > zero) | !crosses);
+  return {select(is_beam, low, zero), select(is_beam, select(hits, high, low), length)};
+}
+
+template <class L>
+SHEAF_INLINE EquiangularDensity<L> equiangular_density(const SegmentView<L>& view, const Interval<L>& points) {
+  using F = Float<L>;
+  const F left = points.high - view.middle, first = points.low - view.middle;
+  const F extent = atan2(view.height * (points.high - points.low), fma(view.height, view.height, left * first));
+  return {view.middle, view.height, atan2(first, view.height), extent, points.low, points.high};
 }
 
 /// The child in registers; `node` is relative to the segment.
-template <class L>
-SHEAF_INLINE EquiangularDensity<L> density_of_child(const NodeWords<L>& node, typename L::Uint child,
-                                                    const RaySegment<L>& segment) {
+template <class L> SHEAF_INLINE LightChild<L> child_of(const NodeWords<L>& node, typename L::Uint child) {
   const LightChild<L> children[kLightChildren] = {
       unpack_light_child<L, 0>(node.words), unpack_light_child<L, 1>(node.words), unpack_light_child<L, 2>(node.words),
       unpack_light_child<L, 3>(node.words)};
@@ -95,32 +129,58 @@ SHEAF_INLINE EquiangularDensity<L> density_of_child(const NodeWords<L>& node, ty
                                                       member(children[3])};
     return pick<L>(values, child);
   };
-  const Vec3<L> center{picked([](const LightChild<L>& c) { return c.center.x; }),
-                       picked([](const LightChild<L>& c) { return c.center.y; }),
-                       picked([](const LightChild<L>& c) { return c.center.z; })};
-  const SegmentView<L> view = view_segment<L>(segment, center, picked([](const LightChild<L>& c) { return c.radius; }));
-  return equiangular_density<L>(segment, view);
+  const auto vector = [&](Vec3<L> LightChild<L>::*v) SHEAF_LAMBDA_INLINE {
+    return Vec3<L>{picked([v](const LightChild<L>& c) { return (c.*v).x; }),
+                   picked([v](const LightChild<L>& c) { return (c.*v).y; }),
+                   picked([v](const LightChild<L>& c) { return (c.*v).z; })};
+  };
+  const auto number = [&](typename L::Float LightChild<L>::*x)
+                          SHEAF_LAMBDA_INLINE { return picked([x](const LightChild<L>& c) { return c.*x; }); };
+  const auto keep_sign = picked([](const LightChild<L>& c) { return bits_float(c.keep_sign); });
+  return {vector(&LightChild<L>::center), number(&LightChild<L>::radius), vector(&LightChild<L>::tilt),
+          number(&LightChild<L>::spread), number(&LightChild<L>::reach),  number(&LightChild<L>::power_fraction),
+          float_bits(keep_sign)};
 }
 
 }  // namespace light_tree_detail
 
-/// Segments that subtend a smaller angle at a light are not connected to it: the light is far away, and all points are
-/// about as good.
-inline constexpr float kLeastSegmentAngle = 0.3f;
+/// Tangent of the angle that segments must subtend at a light to be connected to it, 0.3 radians. From farther away,
+/// all points are about as good.
+inline constexpr float kLeastSegmentTangent = 0.30934f;
 
 /// A light for a segment, and the density of points for it.
 template <class L> struct SegmentLight {
   typename L::Uint light;         ///< its index; 0 unless the probability is positive
-  typename L::Float probability;  ///< of choosing it; 0: no light can reach the segment, or the angle is too small
+  typename L::Float probability;  ///< of choosing it; 0: no light can reach the segment, or it is not connected
   EquiangularDensity<L> density;
 };
+
+namespace light_tree_detail {
+
+/// The light of child `child` of `node`, chosen with probability `probability`.
+template <class L>
+SHEAF_INLINE SegmentLight<L> connect_segment(const NodeWords<L>& node, typename L::Uint child,
+                                             const RaySegment<L>& segment, typename L::Uint light,
+                                             typename L::Float probability) {
+  using F = Float<L>;
+  const LightChild<L> of = child_of<L>(node, child);
+  const SegmentView<L> view = view_segment<L>(segment, of.center, of.radius);
+  // Sine and cosine of the angle that the whole segment subtends, up to a factor
+  const F sine = view.height * segment.length,
+          cosine = fma(view.height, view.height, view.middle * (view.middle - segment.length));
+  const EquiangularDensity<L> density = equiangular_density<L>(view, clip_to_beam<L>(of, segment));
+  const auto connects =
+      (probability > F(0.0f)) & (sine >= F(kLeastSegmentTangent) * cosine) & (density.high > density.low);
+  return {select(connects, light, Uint<L>(0u)), select(connects, probability, F(0.0f)), density};
+}
+
+}  // namespace light_tree_detail
 
 /// Chooses a light by u in [0, 1). The tree must have lights.
 template <class L>
 SHEAF_INLINE SegmentLight<L> choose_segment_light(const LightTreeView& tree, const RaySegment<L>& segment,
                                                   typename L::Float u) {
   using namespace light_tree_detail;
-  using F = Float<L>;
   using U = Uint<L>;
   Traversal<L> state = Traversal<L>::at_root(u);
   U position(0u), branch(0u);
@@ -133,16 +193,13 @@ SHEAF_INLINE SegmentLight<L> choose_segment_light(const LightTreeView& tree, con
     const U child = state.sample_child(child_weights<L>(node, segment), active);
     position = select(active, child_position<L>(node, index, child), position);
     branch = select(active, child, branch);
-    for (int k = 0; k < LightNodeRow::kWordCount; ++k) leaf.words[k] = select(active, node.words[k], leaf.words[k]);
+    leaf.set(active, node);
   }
   constexpr std::uint32_t kRowWords = sizeof(LightNodeRow) / sizeof(std::uint32_t);
   const auto valid = state.possible();
   const U row = select(valid, position & U(~kLightLeaf), U(0u));
   const U light = gather(tree.nodes->lights, (row >> 2) * U(kRowWords) + (row & U(3u)));
-  const EquiangularDensity<L> density = density_of_child<L>(leaf, branch, segment);
-  const auto connects = valid & (density.extent >= F(kLeastSegmentAngle));
-  return {select(connects, light, U(0u)), select(connects, state.pmf_numerator / state.pmf_denominator, F(0.0f)),
-          density};
+  return connect_segment<L>(leaf, branch, segment, light, state.probability());
 }
 
 /// The probability with which choose_segment_light() chooses `light`, and its density. The probability is 0 in lanes
@@ -151,29 +208,8 @@ template <class L>
 SHEAF_INLINE SegmentLight<L> find_segment_light(const LightTreeView& tree, const RaySegment<L>& segment,
                                                 typename L::Uint light, Mask<L> active) {
   using namespace light_tree_detail;
-  using F = Float<L>;
-  using U = Uint<L>;
-  U trail = gather(tree.trails, select(active, light, U(0u)));
-  U index(0u), branch(0u);
-  NodeWords<L> leaf{};
-  F pmf_numerator = select(active, F(1.0f), F(0.0f)), pmf_denominator(1.0f);
-  while (any(active)) {
-    const NodeWords<L> node = load_node<L>(tree, index, segment);
-    const ChildWeights<L> children = child_weights<L>(node, segment);
-    const U child = trail & U(3u);
-    const F sum = children.sum(), scale = reciprocal_power_of_two<L>(sum);
-    pmf_numerator = select(active, pmf_numerator * (pick<L>(children.weights, child) * scale), pmf_numerator);
-    pmf_denominator = select(active, pmf_denominator * (sum * scale), pmf_denominator);
-    branch = select(active, child, branch);
-    for (int k = 0; k < LightNodeRow::kWordCount; ++k) leaf.words[k] = select(active, node.words[k], leaf.words[k]);
-    const U position = child_position<L>(node, index, child);
-    active = active & ((position & U(kLightLeaf)) == U(0u)) & (pmf_numerator > F(0.0f));
-    trail = trail >> 2;
-    index = select(active, position, U(0u));
-  }
-  const EquiangularDensity<L> density = density_of_child<L>(leaf, branch, segment);
-  const auto connects = (pmf_numerator > F(0.0f)) & (density.extent >= F(kLeastSegmentAngle));
-  return {light, select(connects, pmf_numerator / pmf_denominator, F(0.0f)), density};
+  const FoundLeaf<L> found = descend_to_light<L>(tree, segment, light, active);
+  return connect_segment<L>(found.node, found.child, segment, light, found.probability);
 }
 
 }  // namespace sheaf

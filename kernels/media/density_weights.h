@@ -114,12 +114,12 @@ class DensityQueue {
     }
     for (int i = count; i % L::width != 0; ++i) rows.template store<Scalar>(i, {});
     // Draw the numbers for the first collisions.
-    const bool is_path = use_ == MediumStream::kPath;
+    const bool is_shadow = use_ == MediumStream::kShadow;
     for (int i = 0; i < count; i += L::width) {
       DensityRay<L> row = rows.template load<L>(i);
       const Random4<L> u = draw<L>(sampler_, row.numbers.x, row.numbers.y, row.numbers.z, SampleBlock::kSelect, {},
-                                   is_path ? kNumberY : kNumberZ);
-      row.first = is_path ? u.y : u.z;
+                                   is_shadow ? kNumberZ : kNumberY);
+      row.first = is_shadow ? u.z : u.y;
       rows.template store<L>(i, row);
     }
     const std::uint32_t grid = medium.density != kNone ? medium.density : medium.first_grid;

@@ -9,7 +9,12 @@ namespace sheaf {
 
 /// Use of a stream. Streams of different uses are independent of each other and of the blocks of
 /// core/sampling/sampler.h.
-enum class MediumStream : std::uint32_t { kPath = 0x6d656469u, kShadow = 0x73686164u, kCaustics = 0x63617573u };
+enum class MediumStream : std::uint32_t {
+  kPath = 0x6d656469u,
+  kShadow = 0x73686164u,
+  kSegment = 0x7365676du,
+  kCaustics = 0x63617573u
+};
 
 /// Uniform numbers in [0, 1), a pure function of (seed, pixel, sample, dimension, use).
 class MediumRandom {

@@ -18,9 +18,9 @@ template <class L> SHEAF_INLINE void mark_glow(const StageContext& context, Wave
   const auto inside = medium != U(0u);
   const U row = select(inside, medium - U(1u), U(0u));
   const MediumRow* const rows = context.scene.media.rows;
-  const auto glows = inside & connects_segments<L>(gather_member<L>(rows, &MediumRow::flags, row)) &
-                     (wave.paths.gather<L>(slots).depth() < U(kConnectedDepth));
-  const F extinction = select(glows, gather_member<L>(rows, &MediumRow::mean_extinction, row), F(-1.0f));
+  const auto is_marked = inside & ((gather_member<L>(rows, &MediumRow::flags, row) & U(kMediumConnects)) != U(0u)) &
+                         (wave.paths.gather<L>(slots).depth() < U(kConnectedDepth));
+  const F extinction = select(is_marked, gather_member<L>(rows, &MediumRow::mean_extinction, row), F(-1.0f));
   wave.guide_cells.store<L>(column, {float_bits(extinction), U(kGuideMedia)});
 }
 

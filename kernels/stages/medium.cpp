@@ -180,10 +180,16 @@ void store_segment(const SceneView& scene, Wave& wave, const MediumPath& path, c
   out = {ray.origin, 0.0f, ray.direction, 0.0f};
   if (!connects_segments(ray.medium) || (path.ray.flags & kRayLast) != 0 || path.state.depth() >= kConnectedDepth)
     return;
-  const Float4 sigma_t = medium_coefficients(ray.medium, ray.spectra).sigma_t;
-  out.length = min(ray.length, segment_reach<Scalar>(scene.color, to_spectrum(sigma_t)));
-  if (!(t < out.length)) return;
-  const float sigma = sigma_t[ray.hero], pdf = sigma * std::exp(-sigma * t) * lane_mean(scene, after);
+  const bool homogeneous = ray.has(kMediumHomogeneous);
+  const Float4 sigma_t = homogeneous ? medium_coefficients(ray.medium, ray.spectra).sigma_t : Float4();
+  const auto part =
+      connected_part<Scalar>(scene, ray.medium, ray.origin, ray.direction, ray.length, to_spectrum(sigma_t));
+  out.origin = ray.at(part.start), out.length = part.length;
+  const float along = t - part.start;
+  if (!(along < out.length)) return;
+  const float sigma = homogeneous ? sigma_t[ray.hero] : ray.coefficients(ray.at(t)).sigma_t[ray.hero];
+  const float passed = std::exp(-along * (homogeneous ? sigma : ray.medium.mean_extinction));
+  const float pdf = sigma * passed * lane_mean(scene, after);
   if (pdf > 0.0f) out.pdf_ratio = lane_mean<Scalar>(scene.color, before) / pdf;
 }
 

@@ -19,6 +19,10 @@ enum ShadowFlags : std::uint32_t {
 };
 inline constexpr std::uint32_t kShadowFlags = kShadowFromHiddenLight | kShadowPassedHiddenLight | kShadowFromSegment;
 
+/// Added to the dimension of a path for shadow rays from its segments: their random numbers are independent of those of
+/// its vertices.
+inline constexpr std::uint32_t kSegmentDimension = 0x8000u;
+
 /// The end of a shadow ray; see TransmittanceItem.
 template <class L> struct ShadowEnd {
   Vec3<L> target;

@@ -1,4 +1,4 @@
-// Stage: segment lights. Next-event estimation along rays in homogeneous media: chooses a light for the segment of the
+// Stage: segment lights. Next-event estimation along rays in media: chooses a light for the segment of the
 // ray in the medium, a point on the segment by equiangular sampling, and then a point on the light as seen from there
 // (Kulla and Fajardo 2012). It finds the glow around lamps in thin media, where few paths scatter. MIS combines it with
 // sampling of distances (kernels/stages/segment_mis.h).
@@ -10,6 +10,7 @@
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/segment_mis.h"
+#include "kernels/stages/segment_tracking.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
@@ -18,8 +19,6 @@ namespace sheaf {
 
 namespace {
 
-/// Added to the dimension of a path, so that its numbers are independent of those of its vertices.
-constexpr std::uint32_t kSegmentDimension = 0x8000u;
 /// Connections survive Russian roulette with probability kKeptWeight times their MIS weight: the others add little.
 constexpr float kKeptWeight = 2;
 
@@ -32,7 +31,7 @@ template <class L> struct SegmentTile {
   Spectrum<L> lambda;  ///< wavelengths; empty in RGB mode
 };
 
-/// Coefficients of a homogeneous medium, 1/m.
+/// Coefficients of a medium where its density is 1, 1/m.
 template <class L> struct Coefficients { Spectrum<L> sigma_s, sigma_t; };
 
 template <class L, ColorMode kMode>
@@ -56,46 +55,70 @@ template <class L> SHEAF_INLINE Float<L> ends_of(const SceneView& scene, const W
   return select(misses, min(hit.t, medium_end<L>(scene, tile.ray.origin, tile.ray.direction)), hit.t);
 }
 
+/// The medium at a point of a segment.
+template <class L> struct SegmentPoint {
+  Spectrum<L> passed;         ///< transmittance from the start of the segment; of a grid: at the mean extinction
+  typename L::Float density;  ///< 1 in homogeneous media
+};
+
+/// At the distance `t` of a segment, whose rays start at `start`.
+template <class L>
+SHEAF_INLINE SegmentPoint<L> segment_point(const SceneView& scene, const MediumRow& medium, const Spectrum<L>& sigma_t,
+                                           typename L::Float t, Vec3<L> p, Mask<L> lanes) {
+  using F = Float<L>;
+  if ((medium.flags & kMediumHomogeneous) != 0)
+    return {map_spectrum<L>(sigma_t, [t](F sigma) { return exp(sigma * -t); }), F(1.0f)};
+  const BrickGridRow& grid = scene.media.grids.rows[medium.density != kNone ? medium.density : medium.first_grid];
+  const Vec3<L> at = to_grid<L>(grid, select<L>(lanes, p, Vec3<L>{}));
+  return {Spectrum<L>(exp(F(medium.mean_extinction) * -t)), max(lookup_density<L>(grid, at), F(0.0f))};
+}
+
 /// Connects the rays of a tile, which are in the medium of row `row`.
 template <class L, ColorMode kMode>
 void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>& tile, std::uint32_t row) {
   using F = Float<L>;
   using U = Uint<L>;
   const SceneView& scene = context.scene;
+  const MediumRow& medium = scene.media.rows[row];
   const RayState<L>& ray = tile.ray;
   const Coefficients<L> c = coefficients<L, kMode>(scene, row, tile.lambda);
-  const ScatteringPdf<L> by_path = scattering_pdf<L>(context, c.sigma_t, ray.flags);
-  const F length = min(ends_of<L>(scene, wave, tile), segment_reach<L>(scene.color, c.sigma_t));
+  const ConnectedPart<L> part =
+      connected_part<L>(scene, medium, ray.origin, ray.direction, ends_of<L>(scene, wave, tile), c.sigma_t);
+  auto lanes = tile.lanes & (part.length > F(0.0f));
+  if (!any(lanes)) return;
+  const Vec3<L> origin = ray.origin + ray.direction * part.start;
   // Choose a light, and a point on the segment
   const U dimension = tile.path.dimension() | U(kSegmentDimension);
   const Random4<L> u = draw<L>(context.sampler, tile.path.pixel, tile.path.sample, dimension, SampleBlock::kLight);
+  const SegmentLight<L> chosen = choose_segment_light<L>(scene.lights.tree, {origin, ray.direction, part.length}, u.x);
+  lanes = lanes & (chosen.probability > F(0.0f));
+  if (!any(lanes)) return;
   const Random4<L> more =
       draw<L>(context.sampler, tile.path.pixel, tile.path.sample, dimension, SampleBlock::kResample, {});
-  const SegmentLight<L> chosen = choose_segment_light<L>(scene.lights.tree, {ray.origin, ray.direction, length}, u.x);
-  const F t = chosen.density.sample(more.x, length);
+  const F t = chosen.density.sample(more.x);
   const F pdf = chosen.probability * chosen.density.pdf(t);
   // Sample a point on the light
-  const LightSampleContext<L> at{ray.origin + ray.direction * t, {}};
+  const LightSampleContext<L> at{origin + ray.direction * t, {}};
   const LightSample<L> light = sample_light<L, kMode>(scene, at, {chosen.light, F(1.0f)}, u,
                                                       path_times<L>(scene, wave, tile.slots), tile.lambda);
-  auto lanes = tile.lanes & (pdf > F(0.0f)) & light.valid & (light.pdf_solid_angle > F(0.0f)) &
-               (light.target_medium == U(kNone));
+  lanes = lanes & (pdf > F(0.0f)) & light.valid & (light.pdf_solid_angle > F(0.0f)) & (light.target_medium == U(kNone));
   if (!any(lanes)) return;
   // Weight the sample against sampling of distances
   const F point_pdf = choice_probability<L>(scene, at, chosen.light);
   const Spectrum<L> r_u = wave.rescaled_pdfs.gather<L>(tile.slots).r_u;
-  const Spectrum<L> passed = map_spectrum<L>(c.sigma_t, [t](F sigma) { return exp(sigma * -t); });
-  const Spectrum<L> scattered = r_u * by_path.at(passed);
+  const SegmentPoint<L> point = segment_point<L>(scene, medium, c.sigma_t, t, at.p, lanes);
+  const Spectrum<L> scattered = r_u * scattering_pdf<L>(context, c.sigma_t, ray.flags).at(point.passed) * point.density;
   const F pdf_ratio = lane_mean<L>(scene.color, r_u) / max(lane_mean<L>(scene.color, scattered), F(1e-37f));
   const F rho = min(pdf * pdf_ratio / max(point_pdf, F(1e-30f)), F(1e15f)), scale = sqrt(fma(rho, rho, F(1.0f)));
   const F weight = sqr(rho / scale);
   const F kept = min(weight * F(kKeptWeight), F(1.0f));
-  lanes = lanes & (more.y < kept);
-  // Compute the contribution
+  lanes = lanes & (more.y < kept) & (point.density > F(0.0f));
+  // Compute the contribution, in a grid without the attenuation up to the point
   const Frame<L> frame = Frame<L>::from_normal(-ray.direction);
-  const F phase = phase_value<L>(scene, scene.media.rows[row].phase, frame.to_local(light.direction));
-  const F factor = select(lanes, weight * phase / (kept * pdf * light.pdf_solid_angle), F(0.0f));
-  const Spectrum<L> contribution = tile.path.beta * passed * c.sigma_s * light.radiance * factor;
+  const F phase = phase_value<L>(scene, medium.phase, frame.to_local(light.direction));
+  const F factor = select(lanes, weight * phase * point.density / (kept * pdf * light.pdf_solid_angle), F(0.0f));
+  Spectrum<L> contribution = tile.path.beta * c.sigma_s * light.radiance * factor;
+  if ((medium.flags & kMediumHomogeneous) != 0) contribution = contribution * point.passed;
   // Push the shadow rays
   const auto only_light = light.delta | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
   ShadowItem<L> shadow;
@@ -117,8 +140,9 @@ void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>&
 }
 
 /// Connects the rays of a tile, one medium at a time.
+/// Returns whether one of the media has a grid.
 template <class L, ColorMode kMode>
-void connect_rays(const StageContext& context, Wave& wave, const Slot* slots, int count) {
+bool connect_rays(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using U = Uint<L>;
   const SceneView& scene = context.scene;
   SegmentTile<L> tile{slots, Mask<L>(false), wave.rays.gather<L>(slots), wave.paths.gather<L>(slots),
@@ -128,12 +152,17 @@ void connect_rays(const StageContext& context, Wave& wave, const Slot* slots, in
   const auto scatters =
       ((tile.ray.flags & U(kRayLast)) == U(0u)) & (tile.path.depth() < U(kConnectedDepth)) & L::first(count);
   std::uint32_t left = mask_bits(scatters);
+  bool has_grid = false;
   while (left != 0) {
     const std::uint32_t medium = rows[std::countr_zero(left)];
     tile.lanes = (row == U(medium)) & scatters;
-    if (connects_segments(scene.media.rows[medium])) connect_tile<L, kMode>(context, wave, tile, medium);
     left &= ~mask_bits(tile.lanes);
+    const MediumRow& of = scene.media.rows[medium];
+    if (!sheaf::connects_segments(of)) continue;
+    connect_tile<L, kMode>(context, wave, tile, medium);
+    has_grid = has_grid || (of.flags & kMediumHomogeneous) == 0;
   }
+  return has_grid;
 }
 
 }  // namespace
@@ -144,10 +173,14 @@ template <class L> void segment_lights(const StageContext& context, Wave& wave) 
   StageTimer timer(wave.stats, stage_named<L>("segment_lights"));
   timer.count(paths, L::width);
   wave.medium.pad();
+  const int first = wave.shadow_count;
+  bool has_grid = false;
   with_color_mode(context.scene, [&]<ColorMode kMode>() {
-    for_tiles<L>(paths,
-                 [&](int i, int count) { connect_rays<L, kMode>(context, wave, wave.medium.data() + i, count); });
+    for_tiles<L>(paths, [&](int i, int count) {
+      has_grid |= connect_rays<L, kMode>(context, wave, wave.medium.data() + i, count);
+    });
   });
+  if (has_grid) SegmentTracking<L>(context, wave, first, kSegmentDimension).run();
 }
 
 SHEAF_INSTANTIATE_STAGE(segment_lights);

@@ -1,4 +1,4 @@
-// MIS of three ways to find light that a homogeneous medium scatters once: (a) by sampling a distance and then a light
+// MIS of three ways to find light that a medium scatters once: (a) by sampling a distance and then a light
 // from there, (b) by sampling a light for the segment of the ray and then a distance (kernels/stages/
 // segment_lights.cpp), (c) by sampling a distance and then a direction. The point on the light has the same pdf in (a)
 // and (b), so that the pdf of (b) is that of (a) times
@@ -6,23 +6,42 @@
 // With the power heuristic, (a) and (b) together are like light sampling whose pdf is larger by sqrt(1 + rho^2), of
 // which (a) gets the fraction 1 / (1 + rho^2). Several candidates of (a) count as one: resampling does not place them
 // where the segment does.
+//
+// In media with a grid, p(t) is unknown. The weights use the pdf at the mean extinction instead, times the density at t
+// over its mean: any function of t keeps their sum at one.
 #pragma once
 
 #include "kernels/lights/segment_light.h"
+#include "kernels/media/majorant_walk.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/wave.h"
 
 namespace sheaf {
 
-/// Segments end where the mean transmittance has fallen to exp(-kSegmentDepth): the rest contributes little.
-inline constexpr float kSegmentDepth = 6;
 /// Rays are connected, and directions sampled towards the glow of lights, until paths have scattered that often. In
 /// dense media, later scatterings are many and gain nothing.
 inline constexpr std::uint32_t kConnectedDepth = 4;
 
-/// Length up to which segments are connected, m. `sigma_t`: extinction, 1/m.
-template <class L> SHEAF_INLINE Float<L> segment_reach(ColorMode color, const Spectrum<L>& sigma_t) {
-  return Float<L>(kSegmentDepth) / max(lane_mean<L>(color, sigma_t), Float<L>(1e-15f));
+/// The part of a ray in a medium that is connected to lights.
+template <class L> struct ConnectedPart {
+  typename L::Float start, length;  ///< m; length 0: none
+};
+
+/// For a ray that leaves the medium, or ends, after `length` meters. `sigma_t`: extinction of a homogeneous medium,
+/// 1/m.
+template <class L>
+SHEAF_INLINE ConnectedPart<L> connected_part(const SceneView& scene, const MediumRow& medium, const Vec3<L>& origin,
+                                             const Vec3<L>& direction, typename L::Float length,
+                                             const Spectrum<L>& sigma_t) {
+  using F = Float<L>;
+  const F depth(kSegmentDepth);
+  if ((medium.flags & kMediumHomogeneous) != 0)
+    return {F(0.0f), min(length, depth / max(lane_mean<L>(scene.color, sigma_t), F(1e-15f)))};
+  Mask<L> hits;
+  const LeafWalk<L> box =
+      start_leaf_walk<L>(scene.media.majorants[medium.majorants], origin, direction, F(0.0f), length, hits);
+  const F within = min(box.leave - box.t, depth / max(F(medium.mean_extinction), F(1e-15f)));
+  return {select(hits, box.t, F(0.0f)), select(hits, within, F(0.0f))};
 }
 
 /// Pdfs of scattering at a distance in a homogeneous medium, by which lane of the path samples it.

@@ -42,9 +42,10 @@ void store_ray(Wave& wave, int i, const ShadowRay& ray) {
   wave.transmittances.store<Scalar>(i, ray.state);
 }
 
-/// The random-number dimension of a path in a round. Each segment between surfaces has its own.
-std::uint32_t dimension_of(const PathState<Scalar>& path, int round) {
-  return path.dimension() | static_cast<std::uint32_t>(round) << 16;
+/// The random-number dimension of a ray in a round. Each segment between surfaces has its own.
+std::uint32_t dimension_of(const PathState<Scalar>& path, const ShadowRay& ray, int round) {
+  const std::uint32_t from_segment = (ray.state.flags & kShadowFromSegment) != 0 ? kSegmentDimension : 0;
+  return path.dimension() | from_segment | static_cast<std::uint32_t>(round) << 16;
 }
 
 /// The segment of the ray up to `t` in its medium; empty in vacuum. `to_end`: it is the last segment.
@@ -78,7 +79,8 @@ bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& segme
   PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
   const MediumEstimator estimator = context.integrator.medium_estimator;
   const auto path = wave.paths.get(static_cast<Slot>(ray.item.slot));
-  MediumRandom random(context.sampler.seed, path.pixel, path.sample, dimension_of(path, round), MediumStream::kShadow);
+  MediumRandom random(context.sampler.seed, path.pixel, path.sample, dimension_of(path, ray, round),
+                      MediumStream::kShadow);
   bool open = true;
   if (segment.has(kMediumHomogeneous)) {
     pass_homogeneous(segment, to_end && ray.state.target_medium != kNone, weights);
@@ -183,7 +185,7 @@ template <class L> class SurfaceCrossing {
     if (segment && is_tracked_by_density(*segment, context_.integrator.medium_estimator)) {
       queue_index = queue_.size();
       const auto path = wave_.paths.get(static_cast<Slot>(ray.item.slot));
-      queue_.add(*segment, path.pixel, path.sample, dimension_of(path, round_));
+      queue_.add(*segment, path.pixel, path.sample, dimension_of(path, ray, round_));
     } else {
       if (segment && !pass_medium(context_, wave_, *segment, to_end, round_, behind)) return;
       if (to_end) return add_unoccluded(context_, wave_, behind);

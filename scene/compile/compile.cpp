@@ -180,6 +180,7 @@ std::vector<PlacedGrid> add_media_and_lights(const Description& in, const Compil
   extend(scene.motion.cameras, scene.sensor.more_cameras.size() + 1);
   extend(scene.motion.media, scene.media.rows.size());
   select_lights(motion, scene);
+  connect_media(media, scene);
   return media.grids;
 }
 

@@ -107,6 +107,16 @@ SHEAF_INLINE float lookup_grid(const BrickGridRow& row, Vec3f p) {
   return lerp(cell.tx, low, high);
 }
 
+/// Grid-space coordinates (the target space of BrickGridRow::world_to_grid) of world-space points.
+template <class L> SHEAF_INLINE Vec3<L> to_grid(const BrickGridRow& row, Vec3<L> p) {
+  using F = Float<L>;
+  const float* const m = row.world_to_grid;
+  const auto along = [&](int axis) SHEAF_LAMBDA_INLINE {
+    return fma(F(m[axis]), p.x, fma(F(m[4 + axis]), p.y, fma(F(m[8 + axis]), p.z, F(m[12 + axis]))));
+  };
+  return {along(0), along(1), along(2)};
+}
+
 /// Value of a single-channel grid at many grid-space points (the target space of BrickGridRow::world_to_grid). The grid
 /// is clamped or has a background, and fewer than 2^31 values. Points outside are moved to the nearest point of the
 /// grid.

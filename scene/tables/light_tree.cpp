@@ -234,6 +234,15 @@ class TreeBuilder {
 
 }  // namespace
 
+LightChildren::LightChildren(const LightNodeRow& node) {
+  float words[LightNodeRow::kWordCount];
+  for (int k = 0; k < LightNodeRow::kWordCount; ++k) words[k] = std::bit_cast<float>(node.words[k]);
+  children_[0] = unpack_light_child<Scalar, 0>(words);
+  children_[1] = unpack_light_child<Scalar, 1>(words);
+  children_[2] = unpack_light_child<Scalar, 2>(words);
+  children_[3] = unpack_light_child<Scalar, 3>(words);
+}
+
 void LightCluster::add(const LightCluster& other) {
   if (other.count == 0) return;
   cone = count == 0 ? other.cone : join(cone, other.cone);
@@ -252,11 +261,7 @@ namespace {
 /// Adds the glow sources below a node that has `power`.
 void add_glow_sources(const LightTree& tree, std::uint32_t index, float power, int levels, LightTreeView& view) {
   const LightNodeRow& node = tree.nodes[index];
-  float words[LightNodeRow::kWordCount];
-  for (int k = 0; k < LightNodeRow::kWordCount; ++k) words[k] = std::bit_cast<float>(node.words[k]);
-  const LightChild<Scalar> children[kLightChildren] = {
-      unpack_light_child<Scalar, 0>(words), unpack_light_child<Scalar, 1>(words), unpack_light_child<Scalar, 2>(words),
-      unpack_light_child<Scalar, 3>(words)};
+  const LightChildren children(node);
   for (std::uint32_t k = 0; k < kLightChildren; ++k) {
     const LightChild<Scalar>& child = children[k];
     if (std::isnan(child.spread)) continue;

@@ -46,6 +46,16 @@ inline std::uint32_t light_tree_child(const LightNodeRow& node, std::uint32_t in
                  : (node.words[LightNodeRow::kLink] & kLightNodeIndex) + child;
 }
 
+/// The children of a node, unpacked.
+class LightChildren {
+ public:
+  explicit LightChildren(const LightNodeRow& node);
+  const LightChild<Scalar>& operator[](std::uint32_t k) const { return children_[k]; }
+
+ private:
+  LightChild<Scalar> children_[kLightChildren];
+};
+
 /// A group of lights that rays aim at; see kernels/guiding/glow_lobes.h.
 struct GlowSource {
   Vec3f center{};    ///< of the bounding sphere; world space

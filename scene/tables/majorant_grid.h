@@ -52,6 +52,8 @@ struct MajorantGrid {
 
   /// Maximum of all majorants, including `outside`.
   float max_value() const;
+  /// Estimate of the mean of the volume's values in the box, weighted by the values: the mean that particles see.
+  float mean_value() const;
   std::size_t bytes() const {
     return entries.capacity() * sizeof(std::uint32_t) + bounds.capacity() * sizeof(MajorantBounds);
   }

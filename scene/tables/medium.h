@@ -22,6 +22,7 @@ enum MediumFlags : std::uint32_t {
   /// Extinction is a spectrum times one single-channel grid, which is clamped or has a background. Such media are
   /// tracked for many rays at a time. Their majorant grids include minorants unless they emit.
   kMediumSingleGrid = 512,
+  kMediumConnects = 1024,  ///< rays are connected to lights; see scene/compile/media/connect_media.cpp
 };
 
 /// One medium. Coefficients are in 1/m of world space. In spectral mode, the three spectra are taken from
@@ -33,7 +34,7 @@ struct MediumRow {
   std::uint32_t majorants = 0xffffffffu;  ///< into MediumView::majorants; kNone: homogeneous
   float first[4] = {};                    ///< sigma_t, or sigma_a
   float second[4] = {};                   ///< albedo, or sigma_s
-  float mean_extinction = 0;              ///< mean of red, green and blue, 1/m, in both modes; without grids
+  float mean_extinction = 0;              ///< over colors and, weighted by the density, the volume; 1/m
   float emission[4] = {};                 ///< radiance; emission per meter is sigma_a times this
   // Grids that multiply the above: rows of MediumView::grids; kNone: no grid.
   std::uint32_t density = 0xffffffffu;  ///< multiplies both coefficients; one channel
@@ -50,6 +51,8 @@ struct MediumRow {
   std::uint32_t flake_grids = 0xffffffffu;  ///< otherwise grids of xx, yy, zz and, in the next row, of xy, xz, yz
   float max_flakes = 0;                     ///< upper bound on the projected area over that grid
 };
+/// kMediumConnects: mean optical thickness up to which rays are connected to lights. The rest contributes little.
+inline constexpr float kSegmentDepth = 6;
 inline constexpr int kMediumSpectra = 3;
 /// Maximum number of media in a scene, limited by the bits in kernels/wave/path_state.h.
 inline constexpr std::uint32_t kMaxMedia = 0xfffffeu;

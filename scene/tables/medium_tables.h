@@ -32,14 +32,8 @@ struct MediumView {
   bool connects_segments = false;
 };
 
-/// Whether rays in a medium are connected to lights (kernels/stages/segment_lights.cpp): it scatters, and its pdf of
-/// distances has a closed form.
-/// `flags`: MediumRow::flags.
-template <class L> SHEAF_INLINE Mask<L> connects_segments(typename L::Uint flags) {
-  constexpr std::uint32_t kNeeded = kMediumHomogeneous | kMediumScatters;
-  return (flags & Uint<L>(kNeeded | kMediumFlakes)) == Uint<L>(kNeeded);
-}
-inline bool connects_segments(const MediumRow& medium) { return connects_segments<Scalar>(medium.flags); }
+/// Whether rays in a medium are connected to lights (kernels/stages/segment_lights.cpp).
+inline bool connects_segments(const MediumRow& medium) { return (medium.flags & kMediumConnects) != 0; }
 
 /// Owns the tables of media.
 struct MediumTables {
@@ -67,13 +61,7 @@ struct MediumTables {
             surroundings.empty() ? nullptr : surroundings.data(),
             outer_medium,
             outer_radius,
-            connects_any_segments()};
-  }
-  /// Whether some medium connects segments. Only if the pdfs of light sampling are equal in all lanes in every medium.
-  bool connects_any_segments() const {
-    const auto is_exact = [](const MediumRow& row) { return (row.flags & (kMediumHomogeneous | kMediumGray)) != 0; };
-    return std::any_of(rows.begin(), rows.end(), [](const MediumRow& row) { return connects_segments(row); }) &&
-           std::all_of(rows.begin(), rows.end(), is_exact);
+            std::any_of(rows.begin(), rows.end(), [](const MediumRow& row) { return connects_segments(row); })};
   }
   /// Memory in bytes.
   std::size_t bytes() const {

@@ -67,7 +67,10 @@ class MediumRowBuilder {
     for (int i = 0; i < 3; ++i)
       row.mean_extinction +=
           (row.first[i] + ((row.flags & kMediumAbsorptionScattering) != 0 ? row.second[i] : 0.0f)) / 3;
-    if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
+    if ((row.flags & kMediumHomogeneous) == 0) {
+      row.majorants = add_majorants(row, m.where);
+      row.mean_extinction *= tables_.majorants.back().mean_value();
+    }
     tables_.rows.push_back(row);
     if (set_ != nullptr) out_.spectra.insert(out_.spectra.end(), std::begin(spectra), std::end(spectra));
   }

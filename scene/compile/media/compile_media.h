@@ -61,6 +61,10 @@ void move_media(std::span<const MediumInput> media, const Bounds3f& scene, Motio
 /// length zero, and makes them empty.
 void check_media(std::span<const MediumDescription> media, ErrorSink& errors, SceneTables& scene);
 
+/// Marks the media whose rays are connected to lights (kernels/stages/segment_lights.cpp); see kMediumConnects.
+/// `media`: its tables are those of `scene`, whose lights are complete.
+void connect_media(const CompiledMedia& media, SceneTables& scene);
+
 /// Bounds unbounded media by a sphere around the whole scene with its lights, so that lights at infinity reach it.
 void bound_outer_medium(const MotionCompiler& motion, SceneTables& scene);
 

@@ -320,6 +320,22 @@ float MajorantGrid::max_value() const {
   return largest;
 }
 
+float MajorantGrid::mean_value() const {
+  if (entries.empty()) return outside;
+  double sum = 0, sum_of_squares = 0;
+  for (const std::uint32_t entry : entries) {
+    const int below = base_log2 - static_cast<int>(entry & ((1u << kMajorantSideBits) - 1u));
+    const std::size_t leaves = below > 0 ? std::size_t{1} << 3 * below : 1;
+    for (std::size_t i = 0; i < leaves; ++i) {
+      const MajorantBounds b = bounds[(entry >> kMajorantSideBits) + i];
+      const double value = 0.5 * (double{b.minorant()} + double{b.majorant()});
+      sum += value / static_cast<double>(leaves);
+      sum_of_squares += value * value / static_cast<double>(leaves);
+    }
+  }
+  return sum > 0 ? static_cast<float>(sum_of_squares / sum) : 0.0f;
+}
+
 MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs) {
   MajorantGrid result;
   // Bound the values outside

@@ -106,7 +106,7 @@ TEST_CASE("segment lights: lanes are independent") {
     }
     const auto distances = [&](const RaySegment<Wide>& segment, WideFloat number) {
       const SegmentLight<Wide> chosen = choose_segment_light<Wide>(view, segment, number);
-      const WideFloat t = chosen.density.sample(number, segment.length);
+      const WideFloat t = chosen.density.sample(number);
       return LaneArray<WideFloat>(t + chosen.density.pdf(t) * chosen.probability);
     };
     const auto together = distances({{words[0].load(), words[1].load(), words[2].load()},
@@ -130,7 +130,7 @@ TEST_CASE("segment lights: distances follow their pdf, which integrates to one")
     const EquiangularDensity<Scalar> density = choose_segment_light<Scalar>(tree.view(), segment, 0.5f).density;
     // The pdf integrates to u from 0 to the distance of u. Substituting the angle keeps the integrand smooth.
     for (const float u : {0.1f, 0.5f, 0.9f, kOneMinusEpsilon}) {
-      const double t = density.sample(u, segment.length), height = density.height, middle = density.middle;
+      const double t = density.sample(u), height = density.height, middle = density.middle;
       const double first = std::atan(-middle / height), last = std::atan((t - middle) / height);
       constexpr int kSteps = 400;
       double sum = 0;
@@ -141,6 +141,42 @@ TEST_CASE("segment lights: distances follow their pdf, which integrates to one")
       CHECK(sum * (last - first) / kSteps == near(u, 2e-3));
     }
   }
+}
+
+TEST_CASE("segment lights: points lie in the beam of a light, and all points in the beam can be chosen") {
+  Numbers numbers;
+  int connected = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    LightBounds light;
+    light.lower = light.upper = numbers.point(3);
+    light.axis = numbers.direction();
+    light.cos_theta_o = 1, light.cos_theta_e = std::cos(numbers.uniform(0.05f, 1.5f));
+    light.power = 1;
+    const LightTree tree = build_light_tree({&light, 1});
+    const RaySegment<Scalar> segment = random_segment(numbers);
+    const SegmentLight<Scalar> found = find_segment_light<Scalar>(tree.view(), segment, 0, true);
+    const EquiangularDensity<Scalar>& points = found.density;
+    CAPTURE(trial);
+    if (found.probability > 0) {
+      ++connected;
+      REQUIRE(points.low >= 0);
+      REQUIRE(points.high <= segment.length);
+    }
+    // Rounding moves the cone and its apex.
+    constexpr double kAngle = 0.02, kDistance = 0.05;
+    for (int i = 0; i < 200; ++i) {
+      const float t = segment.length * (static_cast<float>(i) + 0.5f) / 200;
+      const Vec3f d = segment.p + segment.direction * t - light.lower;
+      const double distance = length(d), edge = std::acos(double{light.cos_theta_e});
+      const double angle = std::acos(std::clamp(double{dot(d, light.axis)} / distance, -1.0, 1.0));
+      const double margin = kAngle + kDistance / distance;
+      const bool chosen = t >= points.low && t <= points.high && points.high > points.low;
+      CAPTURE(t);
+      if (angle < edge - margin) REQUIRE(chosen);
+      if (angle > edge + margin) REQUIRE(!chosen);
+    }
+  }
+  CHECK(connected > 200);
 }
 
 TEST_CASE_TEMPLATE("glow lobes: directions follow their pdf, which integrates to one", L, Scalar, Wide) {
