@@ -38,8 +38,8 @@ class MediumPart {
 
   bool is_lit() const { return lit_fraction_ >= kLeastLitFraction; }
 
-  /// Adds the lights below node `index` of the tree until the part is lit.
-  void add_lights(const LightTree& tree, std::uint32_t index) {
+  /// Adds the lights below node `index` of the tree, other than emitting media, until the part is lit.
+  void add_lights(const LightTree& tree, const std::vector<bool>& is_medium, std::uint32_t index) {
     const LightNodeRow& node = tree.nodes[index];
     const LightChildren children(node);
     for (std::uint32_t k = 0; k < kLightChildren && !is_lit(); ++k) {
@@ -48,9 +48,10 @@ class MediumPart {
       const std::uint32_t position = light_tree_child(node, index, k);
       const float distance = distance_to(child.center);
       if ((position & kLightLeaf) != 0) {
-        if (is_near(distance, child.radius)) lit_fraction_ += fraction_around(distance, child.radius);
+        if (!is_medium[node.lights[k]] && is_near(distance, child.radius))
+          lit_fraction_ += fraction_around(distance, child.radius);
       } else if (is_near(std::max(distance - child.radius, 0.0f), 0.0f)) {
-        add_lights(tree, position);
+        add_lights(tree, is_medium, position);
       }
     }
   }
@@ -82,6 +83,9 @@ void connect_media(const CompiledMedia& media, SceneTables& scene) {
   const LightTree& tree = scene.lights.tree;
   const auto is_exact = [](const MediumRow& row) { return (row.flags & (kMediumHomogeneous | kMediumGray)) != 0; };
   if (tree.nodes.empty() || !std::all_of(scene.media.rows.begin(), scene.media.rows.end(), is_exact)) return;
+  std::vector<bool> is_medium(scene.lights.rows.size());
+  for (const MediumRow& row : scene.media.rows)
+    if (row.light != kNone) is_medium[row.light] = true;
   for (std::size_t i = 0; i < scene.media.rows.size(); ++i) {
     MediumRow& row = scene.media.rows[i];
     if (!can_connect(row)) continue;
@@ -92,7 +96,7 @@ void connect_media(const CompiledMedia& media, SceneTables& scene) {
     for (const Bounds3f& box : boxes) {
       const bool homogeneous = (row.flags & kMediumHomogeneous) != 0;
       MediumPart part(homogeneous ? box : intersection(box, media.grids[grid].box), 1.0f / row.mean_extinction);
-      part.add_lights(tree, 0);
+      part.add_lights(tree, is_medium, 0);
       if (part.is_lit()) row.flags |= kMediumConnects;
     }
   }

@@ -1,4 +1,5 @@
 // The media whose rays are connected to lights.
+#include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -11,7 +12,7 @@ namespace {
 /// A cube of fog from -1 to 1 m with a point light.
 Description lit_cube(const MediumDescription& medium, Vec3f light) {
   Description d = empty_scene(4, 4);
-  fill(d, add_shape(d, CubeShape{}), add_medium(d, medium));
+  fill(d, add_shape(d, CubeShape{}, {}), add_medium(d, medium));
   add_point_light(d, light, 1);
   return d;
 }
@@ -35,6 +36,13 @@ TEST_CASE("connected media: homogeneous ones with a light inside or close by") {
   CHECK(!connects(lit_cube(fog(0.1f, 0.5f), {0, 0, 9})));
   CHECK(!connects(lit_cube(fog(20, 0.5f), {0, 0, 0})));
   CHECK(!connects(lit_cube(fog(1, 0), {0, 0, 0})));
+}
+
+TEST_CASE("connected media: a medium that emits does not light itself") {
+  MediumDescription glowing = fog(1, 0.5f);
+  glowing.emission = SpectrumDescription::constant(1);
+  CHECK(!connects(lit_cube(glowing, {0, 0, 9})));
+  CHECK(connects(lit_cube(glowing, {0, 0, 0})));
 }
 
 TEST_CASE("connected media: a medium around everything is as large as the scene") {
