@@ -23,6 +23,7 @@ struct SceneInfo {
   Vec3d bounds_min{}, bounds_max{};  ///< world space
   std::size_t table_bytes = 0, accel_bytes = 0;
   BvhLayout bvh = BvhLayout::kFast;
+  BvhSplits bvh_splits = BvhSplits::kNotNeeded;
 };
 
 /// All tables of a scene. Moving them does not move their rows, to which the acceleration structure refers.

@@ -1,7 +1,6 @@
 // The scene's acceleration structure: building it, with instances, and tracing packets of rays.
 #include "scene/accel/accel.h"
 
-#include "scene/accel/build_quality.h"
 #include "scene/accel/embree_shapes.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/motion_sample.h"
@@ -45,10 +44,12 @@ struct ValidMasks {
 };
 constexpr ValidMasks kValid;
 
-/// Attaches the shapes of `range` with ids from 0: the size of Embree's tables depends on the largest id.
-void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, ShapeRange range,
+/// Attaches the shapes of `range` with ids from 0: the size of Embree's tables depends on the largest id. `structure`:
+/// index in AccelInput::splits.
+void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, std::size_t structure, ShapeRange range,
                    std::deque<SdfGridView>& grids) {
-  if (!in.updatable && is_worth_splitting(in, range)) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  const bool splits = !in.updatable && structure < in.splits.size() && in.splits[structure];
+  if (splits) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];
@@ -74,7 +75,7 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
   std::vector<RTCScene> groups;
   for (std::uint32_t i = 0; i < in.group_count; ++i) {
     groups.push_back(make_embree_scene(device, {in.watertight, in.layout == BvhLayout::kCompact}));
-    attach_shapes(device, groups.back(), in, in.groups[i], grids);
+    attach_shapes(device, groups.back(), in, i + 1, in.groups[i], grids);
     commit_scene(groups.back());
   }
   for (std::uint32_t i = 0; i < in.instance_count; ++i) {
@@ -127,7 +128,7 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
   impl_->start({input.watertight, input.layout == BvhLayout::kCompact, input.updatable});
-  attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count}, impl_->sdf_grids);
+  attach_shapes(impl_->device, impl_->scene, input, 0, {0, input.shape_count}, impl_->sdf_grids);
   if (input.instance_count > 0) {
     impl_->instances = input.instances;
     impl_->first_instance = input.shape_count;

@@ -50,6 +50,14 @@ enum class BvhLayout {
   kCompact,  ///< leaves refer to the vertex table: less memory, slower
 };
 
+/// Spatial splits of acceleration structures (Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume
+/// Hierarchies", 2009).
+enum class BvhSplits {
+  kNotNeeded,  ///< they would not make rays faster
+  kBuilt,      ///< by some or all structures of the scene
+  kLeftOut,    ///< by some or all structures: the rays would not repay them
+};
+
 /// The shapes of a group: `shape_count` rows of AccelInput::shapes.
 struct ShapeRange {
   std::uint32_t first_shape, shape_count;
@@ -77,6 +85,10 @@ struct AccelInput {
   MotionView motion;
   /// Prepares for Accel::update(): every shape gets a structure of its own.
   bool updatable = false;
+  /// Whether the structure of the shapes outside of groups has spatial splits, then that of each group; missing
+  /// elements are false. Ignored if `updatable`. At equal distances, structures with and without splits may find
+  /// different surfaces.
+  std::vector<bool> splits = {};
 };
 
 /// A built acceleration structure. Const and safe to query from many threads. Results are bit-identical regardless of

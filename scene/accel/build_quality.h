@@ -1,4 +1,4 @@
-// Decides whether an acceleration structure is built with spatial splits.
+// Decides which acceleration structures are built with spatial splits.
 #pragma once
 
 #include "scene/accel/accel.h"
@@ -11,8 +11,18 @@ namespace sheaf {
 /// long, large triangles that are not axis-aligned, whose boxes enclose many smaller ones. Only meshes count.
 double wasted_boxes(const AccelInput& in, ShapeRange shapes);
 
-/// Whether spatial splits (Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009) are
-/// worth two to three times the build time. `shapes` are those of one structure.
-bool is_worth_splitting(const AccelInput& in, ShapeRange shapes);
+/// Whether so few triangles need no faster build.
+bool is_small_for_builds(double triangles);
+
+/// AccelInput::splits, and the result for the whole scene.
+struct SplitChoice {
+  std::vector<bool> splits;
+  BvhSplits result = BvhSplits::kNotNeeded;
+};
+
+/// Structures of much waste have splits if `rays`, traced in the scene, repay the build, which takes two to six times
+/// as long. `rays` are shared by the instances; each of them counts for the shapes outside of groups. All structures
+/// have splits if `rays` repay those of all, and in small scenes.
+SplitChoice choose_splits(const AccelInput& in, double rays);
 
 }  // namespace sheaf

@@ -48,6 +48,9 @@ struct CompileOptions {
   const SceneSettings* settings = nullptr;  ///< instead of those of the description; null: those
   CompileReport* report = nullptr;          ///< receives a report; null: none
   BvhChoice bvh = BvhChoice::kAuto;
+  /// Upper estimate of the number of rays of the render, for BvhChoice::kAuto: few do not repay spatial splits,
+  /// and fewer not even kFast.
+  double expected_rays = kInfinity;
   /// Returns the memory that the render needs besides the scene, in bytes, for BvhChoice::kAuto. The scene lacks its
   /// acceleration structure. Empty: none.
   std::function<double(const Scene&)> render_bytes = {};

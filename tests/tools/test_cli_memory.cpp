@@ -146,6 +146,7 @@ TEST_CASE("memory: -v lists the times of loading and the memory by cause, and --
   CHECK(contains(compact, "memory (BVH: compact)"));
   CHECK(compact_image == fast_image);
   CHECK(contains(render("").first, "memory (BVH: fast)"));
+  CHECK(contains(render("").first, " (spatial splits not needed)\n"));
   CHECK(run(folder, "render scene.xml --bvh small").code == 2);
 }
 

@@ -16,6 +16,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 
@@ -31,6 +32,29 @@ std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   Matrix4 half_turn;
   half_turn.m[0][0] = half_turn.m[2][2] = -1;
   return half_turn * camera.to_world.inverse_matrix();
+}
+
+/// Upper estimate of the number of rays of a render that is short for certain, otherwise infinity. Parts of an image
+/// and renders that continue a checkpoint get the same BVH: a single set of few samples cannot be continued with more.
+double expected_rays(const RenderSettings& settings) {
+  constexpr std::uint32_t kFewSamples = 32;
+  const bool may_be_long = settings.spp >= kFewSamples || settings.replicates > 1 || settings.adapts ||
+                           settings.integrator.kind != IntegratorKind::kPath;
+  if (may_be_long) return kInfinity;
+  // Paths of no more than 4 vertices on average, each with a shadow ray and a scattered ray; few paths train the guide
+  constexpr int kVertices = 4;
+  const int depth = settings.integrator.max_depth;
+  const int vertices = depth < 0 ? kVertices : std::min(depth, kVertices);
+  return (1.0 + 2.0 * vertices) * settings.spp * settings.film.width * settings.film.height;
+}
+
+/// Spatial splits of the BVH, and why.
+std::string describe_splits(BvhSplits splits, double rays, std::size_t triangles) {
+  if (splits == BvhSplits::kNotNeeded) return "spatial splits not needed";
+  const double rays_per_triangle = rays / std::max(static_cast<double>(triangles), 1.0);
+  const std::string reason =
+      rays < kInfinity ? fmt::format(", at most {:.2g} rays per triangle", rays_per_triangle) : "";
+  return (splits == BvhSplits::kBuilt ? "with spatial splits" : "without spatial splits") + reason;
 }
 
 /// Samples per pixel taken so far, rounded.
@@ -53,6 +77,7 @@ void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry
   loaded.compiled = {};
   CompileOptions options{arguments.watertight, loaded.settings.color, &loaded.settings, &loaded.compiled};
   options.bvh = kBvhChoices.option("bvh", arguments.bvh);
+  options.expected_rays = expected_rays(loaded.settings);
   options.render_bytes = [&](const Scene& scene) {
     double bytes = 0;
     for (const MemoryUse& use : render_memory(scene, loaded.settings, control_of(arguments))) bytes += use.bytes;
@@ -86,6 +111,7 @@ void add_loading(RenderReport& report, const LoadedScene& loaded, double load_se
   const SceneInfo info = loaded.scene->info();
   report.triangles = info.triangles;
   report.bvh = info.bvh == BvhLayout::kCompact ? "compact" : "fast";
+  report.bvh_splits = describe_splits(info.bvh_splits, expected_rays(loaded.settings), info.triangles);
 }
 
 ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, const RenderReport& report,

@@ -130,9 +130,10 @@ std::string to_table(const RenderReport& report) {
                  format_duration(report.build_seconds), format_duration(report.render_seconds),
                  static_cast<double>(report.peak_rss_bytes) * 1e-6);
   if (const RenderReport::Loading& l = report.loading; l.reading_seconds > 0)
-    fmt::format_to(out, "loading: reading {}, textures {}, compiling {}, BVH {}\n", format_duration(l.reading_seconds),
-                   format_duration(l.texture_seconds), format_duration(l.compile_seconds),
-                   format_duration(l.accel_seconds));
+    fmt::format_to(out, "loading: reading {}, textures {}, compiling {}, BVH {}{}\n",
+                   format_duration(l.reading_seconds), format_duration(l.texture_seconds),
+                   format_duration(l.compile_seconds), format_duration(l.accel_seconds),
+                   report.bvh_splits.empty() ? "" : " (" + report.bvh_splits + ")");
   text += photons_table(report);
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
     fmt::format_to(out, "guide: {} samples in {} passes in {}, {} cells trained with {} directions in {}\n",

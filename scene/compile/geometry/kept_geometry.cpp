@@ -23,6 +23,15 @@ bool same_geometry(const ShapeRow& a, const ShapeRow& b) {
 
 }  // namespace
 
+bool KeptGeometry::has_splits() const { return std::find(splits.begin(), splits.end(), true) != splits.end(); }
+
+bool KeptGeometry::serves(const std::vector<bool>& needed) const {
+  if (is_updatable || splits == needed) return true;
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (needed[i] && !splits[i]) return false;
+  return expects_changes;
+}
+
 std::optional<std::vector<std::uint32_t>> KeptGeometry::changed_meshes(const GeometryTables& other,
                                                                        const AccelInput& input) const {
   const auto same_range = [](const ShapeRange& a, const ShapeRange& b) {
@@ -30,8 +39,8 @@ std::optional<std::vector<std::uint32_t>> KeptGeometry::changed_meshes(const Geo
   };
   // The acceleration structure refers to the motions of the scene that it was built for
   if (input.motion.instances != nullptr || input.motion.deformations != nullptr) return {};
-  if (accel == nullptr || watertight != input.watertight || layout != input.layout ||
-      ungrouped_shapes != input.shape_count || tables.vertices.size() != other.vertices.size())
+  if (accel == nullptr || watertight != input.watertight || ungrouped_shapes != input.shape_count ||
+      tables.vertices.size() != other.vertices.size())
     return {};
   const bool same_topology =
       std::equal(groups.begin(), groups.end(), input.groups, input.groups + input.group_count, same_range) &&

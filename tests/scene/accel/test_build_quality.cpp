@@ -1,4 +1,4 @@
-// The measure that selects the quality of the BVH build.
+// The quality of the BVH build: waste of boxes, and spatial splits that the rays repay.
 #include "scene/accel/build_quality.h"
 #include "tests/support/near.h"
 
@@ -75,6 +75,65 @@ TEST_CASE("box waste: a fine mesh is not worth spatial splits but long needles a
   const double crossed = mesh.waste();
   CHECK(smooth < 3);
   CHECK(crossed > smooth + 5);
+}
+
+namespace {
+
+/// Needles through a cube as the shapes outside of groups, and as two groups with instances.
+struct Structures {
+  static constexpr std::uint32_t kTriangles = 30'000;  // of each structure
+  Triangles needles;
+  std::vector<ShapeRow> shapes;
+  std::vector<ShapeRange> groups{{1, 1}, {2, 1}};
+  std::vector<InstanceRow> instances;
+  AccelInput in{};
+
+  /// `copies`: number of instances of the groups.
+  Structures(std::uint32_t first_copies, std::uint32_t second_copies) {
+    for (std::uint32_t i = 0; i < kTriangles; ++i) needles.add({0, 0, 0}, {1, 1, 1}, {1e-4f, 0, 0});
+    ShapeRow row{};
+    row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);
+    row.triangle_count = kTriangles;
+    shapes.assign(3, row);
+    instances.resize(first_copies + second_copies);
+    for (std::uint32_t i = 0; i < instances.size(); ++i) instances[i].group = i < first_copies ? 0 : 1;
+    in.shapes = shapes.data();
+    in.shape_count = 1;
+    in.vertices = needles.vertices.data();
+    in.triangles = needles.indices.data();
+    in.groups = groups.data();
+    in.group_count = 2;
+    in.instances = instances.data();
+    in.instance_count = first_copies + second_copies;
+  }
+  /// The result for this number of rays per triangle of one structure.
+  SplitChoice choose(double rays) const { return choose_splits(in, rays * kTriangles); }
+};
+
+}  // namespace
+
+TEST_CASE("splits: built by structures whose rays repay them") {
+  using Splits = std::vector<bool>;
+  const Structures scene(9, 1);
+  for (const double many : {double(kInfinity), 3.0 * 30}) {
+    CHECK(scene.choose(many).splits == Splits{true, true, true});
+    CHECK(scene.choose(many).result == BvhSplits::kBuilt);
+  }
+  CHECK(scene.choose(0).splits == Splits{false, false, false});
+  // An object with more instances meets more rays
+  CHECK(scene.choose(35).splits == Splits{true, true, false});
+  CHECK(scene.choose(31).splits == Splits{true, false, false});
+  CHECK(scene.choose(29).splits == Splits{false, false, false});
+  CHECK(scene.choose(35).result == BvhSplits::kLeftOut);
+}
+
+TEST_CASE("splits: built by small scenes for any number of rays, and not by meshes without waste") {
+  Structures scene(1, 1);
+  for (ShapeRow& shape : scene.shapes) shape.triangle_count = 3000;
+  CHECK(scene.choose(0).splits == std::vector<bool>{true, true, true});
+  for (ShapeRow& shape : scene.shapes) shape.triangle_count = 3;
+  CHECK(scene.choose(1e9).splits == std::vector<bool>{false, false, false});
+  CHECK(scene.choose(1e9).result == BvhSplits::kNotNeeded);
 }
 
 }  // namespace sheaf::test_build_quality

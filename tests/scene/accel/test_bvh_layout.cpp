@@ -132,6 +132,81 @@ TEST_CASE("bvh: kept geometry is not reused with another layout") {
   CHECK(scene->info().accel_bytes == bytes);
 }
 
+TEST_CASE("bvh: few rays leave out spatial splits unless a layout is chosen, and hit the same triangles") {
+  const Description d = triangles();
+  CompileOptions options;
+  const auto compile_for = [&](double rays, BvhChoice bvh) {
+    options.expected_rays = rays;
+    options.bvh = bvh;
+    return compile_scene(d, options);
+  };
+  constexpr double kFew = 100'000;  // more than triangles
+  const auto split = compile_for(kInfinity, BvhChoice::kAuto), unsplit = compile_for(kFew, BvhChoice::kAuto);
+  CHECK(split->info().bvh_splits == BvhSplits::kBuilt);
+  CHECK(unsplit->info().bvh_splits == BvhSplits::kLeftOut);
+  CHECK(unsplit->info().bvh == BvhLayout::kFast);
+  CHECK(compile_for(0, BvhChoice::kFast)->info().bvh_splits == BvhSplits::kBuilt);
+  CHECK(compile_for(0, BvhChoice::kFast)->info().bvh == BvhLayout::kFast);
+  CHECK(compile_for(0, BvhChoice::kAuto)->info().bvh == BvhLayout::kCompact);
+  std::mt19937 random(12);
+  std::normal_distribution<float> normal;
+  int different = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3f origin{normal(random), normal(random), normal(random)};
+    const Vec3f direction = normalize_any(Vec3f{normal(random), normal(random), normal(random)});
+    const auto a = trace_ray(split->view(), origin, direction), b = trace_ray(unsplit->view(), origin, direction);
+    different += a.has_value() == b.has_value() && (!a || (a->t == b->t && a->primitive == b->primitive)) ? 0 : 1;
+  }
+  CHECK(different == 0);
+}
+
+TEST_CASE("bvh: only sessions take a kept structure with spatial splits for few rays, and none lacks needed ones") {
+  constexpr double kFew = 100'000;  // more than triangles
+  const Description d = triangles();
+  for (const bool is_session : {false, true}) {
+    CAPTURE(is_session);
+    KeptGeometry kept;
+    kept.expects_changes = is_session;
+    const Accel* last = nullptr;
+    const auto reuses = [&](double rays) {
+      CompileOptions options;
+      options.expected_rays = rays;
+      options.kept = &kept;
+      auto scene = compile_scene(d, options);
+      const bool same = scene->view().accel == last;
+      const bool has_splits = scene->info().bvh_splits == BvhSplits::kBuilt;
+      CHECK(has_splits == (rays > kFew || (same && is_session && kept.has_splits())));
+      last = scene->view().accel;
+      keep_geometry(std::move(scene), kept);
+      return same;
+    };
+    CHECK_FALSE(reuses(kFew));
+    CHECK(reuses(kFew - 1));
+    CHECK_FALSE(reuses(kInfinity));
+    CHECK(reuses(kInfinity));
+    CHECK(reuses(kFew) == is_session);
+    CHECK(reuses(kInfinity) == is_session);
+  }
+}
+
+TEST_CASE("bvh: a kept fast layout serves few rays, and a compact one is replaced for many") {
+  const Description d = triangles();
+  KeptGeometry kept;
+  kept.expects_changes = true;
+  const auto layout_for = [&](double rays) {
+    CompileOptions options;
+    options.expected_rays = rays;
+    options.kept = &kept;
+    auto scene = compile_scene(d, options);
+    const BvhLayout layout = scene->info().bvh;
+    keep_geometry(std::move(scene), kept);
+    return layout;
+  };
+  CHECK(layout_for(0) == BvhLayout::kCompact);
+  CHECK(layout_for(kInfinity) == BvhLayout::kFast);
+  CHECK(layout_for(0) == BvhLayout::kFast);
+}
+
 TEST_CASE("bvh: the memory by cause adds up to the tables and the acceleration structure") {
   const auto scene = compile(triangles(), BvhChoice::kFast);
   double sum = 0;
