@@ -1,6 +1,8 @@
 // Large pages by madvise(), and the parser of /proc/self/smaps.
 #include "core/soa/large_pages.h"
 
+#include "core/io/parallel_ranges.h"
+
 #include <charconv>
 #include <fstream>
 #include <string>
@@ -79,6 +81,24 @@ void prefer_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::siz
   const std::size_t begin = (address + kPageBytes - 1) / kPageBytes * kPageBytes;
   const std::size_t end = (address + bytes) / kPageBytes * kPageBytes;
   if (begin < end) madvise(static_cast<char*>(memory) + (begin - address), end - begin, MADV_HUGEPAGE);
+#endif
+}
+
+void prepare_pages(void* memory, std::size_t bytes) noexcept {
+  prefer_large_pages(memory, bytes);
+#if defined(__linux__)
+  constexpr int kPopulateWrite = 23;  // MADV_POPULATE_WRITE of Linux 5.14
+  constexpr std::size_t kPages = 4;   // at a time
+  const auto address = reinterpret_cast<std::size_t>(memory);
+  const std::size_t first = (address + kPageBytes - 1) / kPageBytes, last = (address + bytes) / kPageBytes;
+  if (last < first + 2 * kPages) return;
+  parallel_ranges(
+      last - first,
+      [&](std::size_t begin, std::size_t end) {
+        madvise(static_cast<char*>(memory) + ((first + begin) * kPageBytes - address), (end - begin) * kPageBytes,
+                kPopulateWrite);
+      },
+      kPages);
 #endif
 }
 

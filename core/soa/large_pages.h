@@ -20,6 +20,9 @@ std::vector<MemoryRange> ranges_for_large_pages(std::istream& smaps);
 /// Requests large pages for memory that is about to be written for the first time.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
+/// The same, and makes large memory resident by all threads: the system clears pages when they are first used.
+void prepare_pages(void* memory, std::size_t bytes) noexcept;
+
 /// Returns whole pages of memory to the system while the owner keeps the addresses. Their contents are lost and read as
 /// zero.
 void release_pages(void* memory, std::size_t bytes) noexcept;

@@ -2,7 +2,10 @@
 // single-precision lengths neither overflow nor vanish.
 #include "scene/formats/mesh.h"
 
+#include "core/io/parallel_ranges.h"
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -34,36 +37,73 @@ double angle_at(Vec3f p, Vec3f a, Vec3f b) {
   return std::isfinite(angle) ? angle : 0;
 }
 
+/// What a triangle adds to the normals of its vertices.
+struct WeightedNormal {
+  Vec3d normal;
+  std::array<double, 3> angles;
+};
+
+/// Calls add(triangle, WeightedNormal) for the triangles with is_wanted(triangle), in order. Threads compute the
+/// normals and angles of many triangles at a time.
+template <class IsWanted, class Add>
+void for_weighted_normals(const Mesh& mesh, const IsWanted& is_wanted, const Add& add) {
+  constexpr std::size_t kAtATime = std::size_t{1} << 17;
+  std::vector<WeightedNormal> found(std::min(kAtATime, mesh.triangles.size()));
+  for (std::size_t begin = 0; begin < mesh.triangles.size(); begin += kAtATime) {
+    const std::size_t count = std::min(kAtATime, mesh.triangles.size() - begin);
+    parallel_ranges(count, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const Triangle& t = mesh.triangles[begin + i];
+        if (!is_wanted(t)) continue;
+        found[i].normal = direction(area_normal(mesh, t));
+        for (std::size_t k = 0; k < 3; ++k)
+          found[i].angles[k] =
+              angle_at(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]], mesh.positions[t[(k + 2) % 3]]);
+      }
+    });
+    for (std::size_t i = 0; i < count; ++i)
+      if (is_wanted(mesh.triangles[begin + i])) add(mesh.triangles[begin + i], found[i]);
+  }
+}
+
 /// Gives a smooth normal to every vertex whose normal is zero. `normals` is as long as `positions`.
 void fill_zero_normals(Mesh& mesh) {
   const auto is_missing = [&](std::uint32_t vertex) { return is_zero(mesh.normals[vertex]); };
   if (std::none_of(mesh.normals.begin(), mesh.normals.end(), is_zero)) return;
   std::vector<Vec3d> sums(mesh.positions.size()), spares(mesh.positions.size());
-  // Check the vertex indices
-  for (const Triangle& t : mesh.triangles) {
-    if (std::none_of(t.begin(), t.end(), is_missing)) continue;
-    const Vec3d normal = direction(area_normal(mesh, t));
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3f p = mesh.positions[t[k]], a = mesh.positions[t[(k + 1) % 3]], b = mesh.positions[t[(k + 2) % 3]];
-      sums[t[k]] = sums[t[k]] + normal * angle_at(p, a, b);
-      if (dot(normal, normal) > 0) spares[t[k]] = normal;
+  // Sum the normals of the triangles at each vertex
+  for_weighted_normals(
+      mesh, [&](const Triangle& t) { return std::any_of(t.begin(), t.end(), is_missing); },
+      [&](const Triangle& t, const WeightedNormal& weighted) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          sums[t[k]] = sums[t[k]] + weighted.normal * weighted.angles[k];
+          if (dot(weighted.normal, weighted.normal) > 0) spares[t[k]] = weighted.normal;
+        }
+      });
+  parallel_ranges(mesh.normals.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!is_zero(mesh.normals[i])) continue;
+      constexpr double kCanceled = 1e-9;  // for triangles back to back
+      mesh.normals[i] = (length(sums[i]) > kCanceled ? direction(sums[i]) : spares[i]).rounded();
+      if (is_zero(mesh.normals[i])) mesh.normals[i] = {0, 0, 1};
     }
-  }
-  for (std::uint32_t i = 0; i < mesh.normals.size(); ++i) {
-    if (!is_missing(i)) continue;
-    constexpr double kCanceled = 1e-9;  // for triangles back to back
-    mesh.normals[i] = (length(sums[i]) > kCanceled ? direction(sums[i]) : spares[i]).rounded();
-    if (is_missing(i)) mesh.normals[i] = {0, 0, 1};
-  }
+  });
+}
+
+/// Calls change(row) for all rows, by all threads.
+template <class T, class Change> void for_each_row(std::vector<T>& rows, const Change& change) {
+  parallel_ranges(rows.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) change(rows[i]);
+  });
 }
 
 void reverse(Triangle& t) { std::swap(t[1], t[2]); }
 
 void orient_by_normals(Mesh& mesh) {
-  for (Triangle& t : mesh.triangles) {
+  for_each_row(mesh.triangles, [&](Triangle& t) {
     const Vec3d sum = Vec3d(mesh.normals[t[0]]) + Vec3d(mesh.normals[t[1]]) + Vec3d(mesh.normals[t[2]]);
     if (dot(area_normal(mesh, t), sum) < 0) reverse(t);
-  }
+  });
 }
 
 bool is_degenerate(const Mesh& mesh, const Triangle& t) {
@@ -157,18 +197,27 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
     throw SceneError(where, fmt::format("attribute '{}' has {} values, expected {} for each of {}", attribute.name,
                                         attribute.values.size(), channels, rows));
   }
-  for (const Triangle& t : mesh.triangles) {
-    const std::uint32_t highest = std::max({t[0], t[1], t[2]});
-    if (highest < count) continue;
-    throw SceneError(where,
-                     fmt::format("a triangle refers to vertex {} (counted from 0), but there are {}", highest, count));
-  }
+  std::atomic<std::size_t> first_bad{mesh.triangles.size()};
+  parallel_ranges(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
+    const auto is_bad = [&](const Triangle& t) { return std::max({t[0], t[1], t[2]}) >= count; };
+    const auto rows = mesh.triangles.begin();
+    const auto found =
+        std::find_if(rows + static_cast<std::ptrdiff_t>(begin), rows + static_cast<std::ptrdiff_t>(end), is_bad);
+    const auto bad = static_cast<std::size_t>(found - rows);
+    if (bad == end) return;
+    std::size_t first = first_bad;
+    while (bad < first && !first_bad.compare_exchange_weak(first, bad)) {}
+  });
+  if (first_bad == mesh.triangles.size()) return;
+  const Triangle& t = mesh.triangles[first_bad];
+  throw SceneError(where, fmt::format("a triangle refers to vertex {} (counted from 0), but there are {}",
+                                      std::max({t[0], t[1], t[2]}), count));
 }
 
 void transform_mesh(Mesh& mesh, const Transform& to_world) {
-  for (Vec3f& p : mesh.positions) p = to_world.point(p);
+  for_each_row(mesh.positions, [&](Vec3f& p) { p = to_world.point(p); });
   if (mesh.normals.empty()) return mesh.tangents.clear();
-  for (Vec3f& n : mesh.normals) n = direction(to_world.normal(n)).rounded();
+  for_each_row(mesh.normals, [&](Vec3f& n) { n = direction(to_world.normal(n)).rounded(); });
   for (MeshTangent& t : mesh.tangents) t.direction = direction(to_world.vector(t.direction)).rounded();
   if (to_world.swaps_handedness()) {
     for (Triangle& t : mesh.triangles) reverse(t);
@@ -254,9 +303,14 @@ bool is_traceable_triangle(const Mesh& mesh, std::uint32_t triangle) {
 }
 
 std::size_t drop_degenerate_triangles(Mesh& mesh) {
-  const std::vector<std::uint32_t> usable = usable_triangles(mesh);
-  const std::size_t dropped = mesh.triangles.size() - usable.size();
-  if (dropped > 0) mesh = extract_triangles(mesh, usable);
+  std::atomic<std::size_t> dropped{0};
+  parallel_ranges(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
+    const auto rows = mesh.triangles.begin();
+    const auto is_dropped = [&](const Triangle& t) { return is_degenerate(mesh, t); };
+    dropped += static_cast<std::size_t>(
+        std::count_if(rows + static_cast<std::ptrdiff_t>(begin), rows + static_cast<std::ptrdiff_t>(end), is_dropped));
+  });
+  if (dropped > 0) mesh = extract_triangles(mesh, usable_triangles(mesh));
   return dropped;
 }
 

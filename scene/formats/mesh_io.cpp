@@ -51,7 +51,7 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
   if (failure || !stream) throw SceneError(where, std::string(what) + " cannot be opened for reading");
   std::string bytes;
   bytes.reserve(size + 1);  // for the line feed that text readers append
-  prefer_large_pages(bytes.data(), size);
+  prepare_pages(bytes.data(), size);
   bytes.resize(size);
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(stream.gcount()) != size) {

@@ -1,6 +1,7 @@
 // Bodies of PLY files: rows of the elements 'vertex', 'face' and 'tristrips', in ASCII or binary.
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/plain_ply.h"
 #include "scene/formats/ply_attributes.h"
 #include "scene/formats/ply_source.h"
 #include "scene/formats/polygon.h"
@@ -33,34 +34,7 @@ struct PlyContent {
   std::vector<std::string> warnings;
 };
 
-/// Vertex properties that the reader uses, in this order.
-enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kSlots };
 constexpr int kUnwanted = -1;
-
-int slot_of(const PlyProperty& property) {
-  struct Meaning {
-    std::string_view name;
-    Slot slot;
-  };
-  constexpr std::array<Meaning, 14> kMeanings{{{"x", kX},
-                                               {"y", kY},
-                                               {"z", kZ},
-                                               {"nx", kNormalX},
-                                               {"ny", kNormalY},
-                                               {"nz", kNormalZ},
-                                               {"u", kU},
-                                               {"v", kV},
-                                               {"s", kU},
-                                               {"t", kV},
-                                               {"texture_u", kU},
-                                               {"texture_v", kV},
-                                               {"texture_s", kU},
-                                               {"texture_t", kV}}};
-  if (property.count_type) return kUnwanted;
-  const auto found =
-      std::find_if(kMeanings.begin(), kMeanings.end(), [&](const Meaning& m) { return m.name == property.name; });
-  return found == kMeanings.end() ? kUnwanted : found->slot;
-}
 
 /// Collects the values of an element's attributes row by row.
 class AttributeRows {
@@ -126,13 +100,14 @@ template <class Source>
 void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::vector<std::string>& warnings) {
   // Determine which properties are present
   std::vector<int> slots;
-  std::array<bool, kSlots> has{};
+  std::array<bool, kPlySlots> has{};
   for (const PlyProperty& property : element.properties) {
-    slots.push_back(slot_of(property));
+    const std::optional<PlySlot> slot = ply_slot(property);
+    slots.push_back(slot ? static_cast<int>(*slot) : kUnwanted);
     if (slots.back() != kUnwanted) has[static_cast<std::size_t>(slots.back())] = true;
   }
-  if (!(has[kX] && has[kY] && has[kZ])) source.fail("vertices without 'x', 'y' and 'z'");
-  const bool has_normals = has[kNormalX] && has[kNormalY] && has[kNormalZ], has_uvs = has[kU] && has[kV];
+  if (!(has[kPlyX] && has[kPlyY] && has[kPlyZ])) source.fail("vertices without 'x', 'y' and 'z'");
+  const bool has_normals = has[kPlyNormalX] && has[kPlyNormalY] && has[kPlyNormalZ], has_uvs = has[kPlyU] && has[kPlyV];
   mesh.positions.reserve(element.count);
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
@@ -140,7 +115,7 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
   const bool copies_rows =
       has_native_floats(source, element) && std::find(slots.begin(), slots.end(), kUnwanted) == slots.end();
   // Read the rows
-  std::array<float, kSlots> values{};
+  std::array<float, kPlySlots> values{};
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
     if constexpr (std::is_same_v<Source, BinarySource>)
@@ -156,11 +131,11 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
         values[static_cast<std::size_t>(slots[k])] = static_cast<float>(source.number(element.properties[k].type));
       }
     }
-    mesh.positions.push_back({values[kX], values[kY], values[kZ]});
-    const Vec3f normal{values[kNormalX], values[kNormalY], values[kNormalZ]};
+    mesh.positions.push_back({values[kPlyX], values[kPlyY], values[kPlyZ]});
+    const Vec3f normal{values[kPlyNormalX], values[kPlyNormalY], values[kPlyNormalZ]};
     if (has_normals) mesh.normals.push_back(is_finite(normal) ? normal : Vec3f{0, 0, 0});
-    const bool is_uv = std::isfinite(values[kU]) && std::isfinite(values[kV]);
-    if (has_uvs) mesh.uvs.push_back(is_uv ? Vec2f{values[kU], values[kV]} : Vec2f{0, 0});
+    const bool is_uv = std::isfinite(values[kPlyU]) && std::isfinite(values[kPlyV]);
+    if (has_uvs) mesh.uvs.push_back(is_uv ? Vec2f{values[kPlyU], values[kPlyV]} : Vec2f{0, 0});
     attributes.push_row();
   }
   mesh.attributes = attributes.take();
@@ -409,6 +384,7 @@ Mesh::Attribute spread(const Mesh::Attribute& polygons, const std::vector<std::u
 }  // namespace
 
 MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces) {
+  if (std::optional<MeshFile> plain = read_plain_ply(file, flip_tex_coords)) return std::move(*plain);
   const std::string name = file.string();
   const std::string bytes = read_mesh_text(file, "PLY file");
   const PlyHeader header = parse_ply_header(bytes, name);

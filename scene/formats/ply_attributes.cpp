@@ -123,6 +123,32 @@ double largest_of(PlyType type) {
 
 }  // namespace
 
+std::optional<PlySlot> ply_slot(const PlyProperty& property) {
+  struct Meaning {
+    std::string_view name;
+    PlySlot slot;
+  };
+  constexpr std::array<Meaning, 14> kMeanings{{{"x", kPlyX},
+                                               {"y", kPlyY},
+                                               {"z", kPlyZ},
+                                               {"nx", kPlyNormalX},
+                                               {"ny", kPlyNormalY},
+                                               {"nz", kPlyNormalZ},
+                                               {"u", kPlyU},
+                                               {"v", kPlyV},
+                                               {"s", kPlyU},
+                                               {"t", kPlyV},
+                                               {"texture_u", kPlyU},
+                                               {"texture_v", kPlyV},
+                                               {"texture_s", kPlyU},
+                                               {"texture_t", kPlyV}}};
+  if (property.count_type) return {};
+  const auto found =
+      std::find_if(kMeanings.begin(), kMeanings.end(), [&](const Meaning& m) { return m.name == property.name; });
+  if (found == kMeanings.end()) return {};
+  return found->slot;
+}
+
 std::vector<PlyAttribute> find_ply_attributes(const PlyElement& element, std::vector<std::string>& warnings,
                                               std::vector<std::size_t>& left_out) {
   return AttributeFinder(element, warnings, left_out).find();

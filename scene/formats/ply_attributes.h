@@ -3,10 +3,17 @@
 
 #include "scene/formats/ply_header.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace sheaf {
+
+/// Vertex properties that become parts of the mesh.
+enum PlySlot : std::size_t { kPlyX, kPlyY, kPlyZ, kPlyNormalX, kPlyNormalY, kPlyNormalZ, kPlyU, kPlyV, kPlySlots };
+
+/// The slot of a property of vertices, if it has one.
+std::optional<PlySlot> ply_slot(const PlyProperty& property);
 
 /// An attribute and its properties.
 struct PlyAttribute {

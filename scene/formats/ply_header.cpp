@@ -48,7 +48,8 @@ std::vector<std::string_view> split_words(std::string_view line) {
 
 class HeaderParser {
  public:
-  HeaderParser(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  HeaderParser(std::string_view bytes, const std::string& file, std::uint64_t file_bytes)
+      : bytes_(bytes), file_(file), file_bytes_(file_bytes) {}
 
   PlyHeader parse() {
     read_magic();
@@ -174,7 +175,7 @@ class HeaderParser {
   }
 
   void check_counts() const {
-    const std::uint64_t available = bytes_.size() - position_ + 1;  // the final blank may be missing
+    const std::uint64_t available = file_bytes_ - position_ + 1;  // the final blank may be missing
     for (const PlyElement& element : header_.elements) {
       const std::uint64_t row = smallest_row(element);
       if (row == 0 || element.count <= available / row) continue;
@@ -187,6 +188,7 @@ class HeaderParser {
 
   std::string_view bytes_;
   const std::string& file_;
+  const std::uint64_t file_bytes_;
   PlyHeader header_;
   std::size_t position_ = 0;
   int line_ = 0;
@@ -210,8 +212,8 @@ std::size_t ply_type_size(PlyType type) {
   }
 }
 
-PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
-  return HeaderParser(bytes, file).parse();
+PlyHeader parse_ply_header(std::string_view bytes, const std::string& file, std::uint64_t file_bytes) {
+  return HeaderParser(bytes, file, std::max<std::uint64_t>(file_bytes, bytes.size())).parse();
 }
 
 }  // namespace sheaf

@@ -41,7 +41,7 @@ struct PlyHeader {
 };
 
 /// Parses the header of a file with content `bytes`. Throws SceneError with the line of the error, also for elements
-/// with more rows than the rest of the file can hold.
-PlyHeader parse_ply_header(std::string_view bytes, const std::string& file);
+/// with more rows than the rest of the file can hold. `file_bytes`: size of the file if `bytes` are only its beginning.
+PlyHeader parse_ply_header(std::string_view bytes, const std::string& file, std::uint64_t file_bytes = 0);
 
 }  // namespace sheaf

@@ -97,7 +97,7 @@ struct ImageArguments {
     command
         .add_option("--bvh", bvh,
                     "Memory layout of the acceleration structure: fast, compact (less memory, slower), or auto: "
-                    "compact if fast would exceed the available memory. Default: auto")
+                    "compact if fast would exceed the available memory and in short renders. Default: auto")
         .one_of(kBvhChoices.names())
         .only_for_run();
   }

@@ -1,7 +1,11 @@
 // Adds meshes, and quadrics, to the geometry of a scene.
+#include "core/io/parallel_ranges.h"
 #include "core/soa/large_pages.h"
 #include "scene/accel/quadric.h"
 #include "scene/compile/geometry/compiled_geometry.h"
+
+#include <cstring>
+#include <mutex>
 
 namespace sheaf {
 
@@ -10,24 +14,58 @@ namespace {
 /// Makes room for `count` more elements: a quarter more than needed unless these are the first.
 template <class T> void make_room(std::vector<T>& rows, std::size_t count) {
   const std::size_t needed = rows.size() + count;
-  if (needed <= rows.capacity()) return;
-  rows.reserve(rows.empty() ? needed : needed + needed / 4);
-  prefer_large_pages(rows.data() + rows.size(), (rows.capacity() - rows.size()) * sizeof(T));
+  if (needed > rows.capacity()) {
+    rows.reserve(rows.empty() ? needed : needed + needed / 4);
+    prefer_large_pages(rows.data() + rows.size(), (rows.capacity() - rows.size()) * sizeof(T));
+  }
+  prepare_pages(rows.data() + rows.size(), count * sizeof(T));
 }
 
 /// Appends the vertices of a mesh and their tangents. `at`: the mesh itself, or a later step of it. The tangents of
 /// later vertices are added when the tables are complete.
 void append(GeometryTables& tables, const Mesh& mesh, const auto& at) {
   make_room(tables.vertices, mesh.positions.size());
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Vec3f p = at.positions[i];
-    const Vec3f n = at.normals.empty() ? Vec3f{} : at.normals[i];
-    const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
-    tables.vertices.push_back({p, n, uv});
-  }
+  const std::size_t first = tables.vertices.size();
+  tables.vertices.resize(first + mesh.positions.size());
+  parallel_ranges(mesh.positions.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3f n = at.normals.empty() ? Vec3f{} : at.normals[i];
+      const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
+      tables.vertices[first + i] = {at.positions[i], n, uv};
+    }
+  });
   if (at.tangents.empty()) return;
   tables.tangents.resize(tables.vertices.size() - at.tangents.size());
   for (const MeshTangent& tangent : at.tangents) tables.tangents.push_back({tangent.direction, tangent.handedness});
+}
+
+/// Appends the triangles of a mesh.
+void append_triangles(GeometryTables& tables, const Mesh& mesh) {
+  make_room(tables.triangles, 3 * mesh.triangles.size() + kTrianglePadding);
+  const std::size_t first = tables.triangles.size();
+  tables.triangles.resize(first + 3 * mesh.triangles.size());
+  parallel_ranges(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
+    std::memcpy(&tables.triangles[first + 3 * begin], &mesh.triangles[begin],
+                (end - begin) * sizeof(mesh.triangles[0]));
+  });
+}
+
+/// Bounds of the vertices in use, at all steps.
+Bounds3f bounds_of(const PreparedMesh& prepared) {
+  const Mesh& mesh = prepared.mesh;
+  Bounds3f bounds = Bounds3f::empty();
+  std::mutex mutex;
+  parallel_ranges(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
+    Bounds3f box = Bounds3f::empty();
+    for (std::size_t i = begin; i < end; ++i)
+      for (const std::uint32_t vertex : mesh.triangles[i]) {
+        box.grow(mesh.positions[vertex]);
+        for (const MeshStep& step : prepared.later_steps) box.grow(step.positions[vertex]);
+      }
+    const std::lock_guard lock(mutex);
+    bounds.grow(box);
+  });
+  return bounds;
 }
 
 /// Adds the attributes that textures use of a mesh that becomes the next shape.
@@ -73,15 +111,8 @@ std::optional<AddedShape> add_mesh(const ShapeDescription& shape, const Prepared
   append(tables, mesh, mesh);
   for (const MeshStep& step : prepared.later_steps) append(tables, mesh, step);
   if (steps > 1) row.flags |= motion.add_deformation(steps - 1, mesh.positions.size());
-  make_room(tables.triangles, 3 * mesh.triangles.size() + kTrianglePadding);
-  for (const auto& t : mesh.triangles) tables.triangles.insert(tables.triangles.end(), t.begin(), t.end());
-  // Bound the mesh
-  added.box = Bounds3f::empty();
-  for (const auto& t : mesh.triangles)
-    for (std::uint32_t vertex : t) {
-      added.box.grow(mesh.positions[vertex]);
-      for (const MeshStep& step : prepared.later_steps) added.box.grow(step.positions[vertex]);
-    }
+  append_triangles(tables, mesh);
+  added.box = bounds_of(prepared);
   add_attributes(row, mesh, shape.where, out);
   added.vertex_count = static_cast<std::uint32_t>(mesh.positions.size());
   out.info.triangles += mesh.triangles.size();

@@ -301,4 +301,38 @@ TEST_CASE("mesh: a subset of triangles can be extracted") {
   CHECK(extract_triangles(cube, {}).positions.empty());
 }
 
+TEST_CASE("mesh: large meshes are processed by all threads as small ones are") {
+  // Copies of a sphere, whose triangles are in many ranges
+  constexpr std::size_t kCopies = 300;
+  Mesh small = sphere();
+  const std::size_t vertices = small.positions.size(), triangles = small.triangles.size();
+  small.normals.assign(vertices, Vec3f{0, 0, 0});
+  Mesh large;
+  for (std::size_t copy = 0; copy < kCopies; ++copy) {
+    large.positions.insert(large.positions.end(), small.positions.begin(), small.positions.end());
+    large.normals.insert(large.normals.end(), small.normals.begin(), small.normals.end());
+    for (const auto& t : small.triangles) {
+      const auto first = static_cast<std::uint32_t>(copy * vertices);
+      large.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  }
+  CHECK(large.triangles.size() > 150'000);
+  Mesh broken = large;
+  broken.triangles[100'000][1] = 999'999;
+  broken.triangles[140'000][1] = 1'999'999;
+  CHECK(contains(error_of([&] { check_mesh(broken, {}); }), "a triangle refers to vertex 999999"));
+  check_mesh(large, {});
+  const Transform mirror = Transform::scale({-1, 2, 3});
+  transform_mesh(small, mirror);
+  transform_mesh(large, mirror);
+  int different = 0;
+  for (std::size_t i = 0; i < large.positions.size(); ++i)
+    different +=
+        large.positions[i] == small.positions[i % vertices] && large.normals[i] == small.normals[i % vertices] ? 0 : 1;
+  for (std::size_t i = 0; i < large.triangles.size(); ++i)
+    different += large.triangles[i][1] % vertices == small.triangles[i % triangles][1] ? 0 : 1;
+  CHECK(different == 0);
+  CHECK(drop_degenerate_triangles(large) == kCopies * drop_degenerate_triangles(small));
+}
+
 }  // namespace sheaf::test_mesh
