@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Compares the time to the first pixel and the peak memory of big scenes, beside Mitsuba 3. Needs only Python and a
-build.
+"""Compares the time to the first pixel and the peak memory of big scenes, beside Mitsuba 3 and pbrt-v4. Needs only
+Python and a build.
 
   bench/compare_big.py [--sheaf OLD/sheaf NEW/sheaf] [--mitsuba-python ENVIRONMENT/bin/python] [--variant scalar_rgb]
-                       [--side 300] [--instances 500] [--runs 3]
+                       [--pbrt build/pbrt] [--side 300] [--instances 500] [--runs 3]
 
-Writes two scenes with one PLY mesh of 2 x SIDE^2 triangles: the mesh itself, and INSTANCES instances of it. Every round
-renders each scene once with each program, at 1 sample in an image of 8 x 8 pixels. Prints medians: wall-clock and CPU
-seconds of the whole process, peak memory, and the same per triangle of the mesh. Mitsuba's include Python's start. For
-20 million triangles: --side 3162.
+Writes scenes with one mesh of 2 x SIDE^2 triangles, as PLY and OBJ, and of INSTANCES instances of the PLY mesh. Every
+round renders each scene once with each program, at 1 sample in an image of 8 x 8 pixels; pbrt reads no OBJ files. Prints
+medians: wall-clock and CPU seconds of the whole process, peak memory, and the same per triangle of the mesh. Mitsuba's
+include Python's start. For 20 million triangles: --side 3162.
 """
 
 import argparse
@@ -20,7 +20,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from compare_loading import ROOT, write_ply
+from compare_loading import ROOT, write_obj, write_ply
 
 MITSUBA = """
 import sys, mitsuba as mi
@@ -33,17 +33,32 @@ HEAD = """<scene version="3.0.0"><integrator type="path"/><emitter type="constan
 <sampler type="independent"><integer name="sample_count" value="1"/></sampler></sensor>
 """
 MESH = '<shape type="ply"><string name="filename" value="mesh.ply"/></shape>'
+PBRT_HEAD = """LookAt 0.5 -1 1  0.5 0.5 0  0 0 1
+Camera "perspective" "float fov" 39
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+Sampler "independent" "integer pixelsamples" 1
+WorldBegin
+LightSource "infinite" "rgb L" [1 1 1]
+"""
+PBRT_MESH = 'Shape "plymesh" "string filename" "mesh.ply"'
 
 
 def write_scenes(folder, side, instances):
+    """Writes the scenes and returns their files; those of pbrt have the same names."""
     write_ply(folder / "mesh.ply", side)
+    write_obj(folder / "mesh.obj", side)
     columns = math.isqrt(max(instances - 1, 0)) + 1
-    placed = "\n".join(f'<shape type="instance"><ref id="group"/><transform name="to_world"><translate x="{i % columns}" '
-                       f'y="{i // columns}"/></transform></shape>' for i in range(instances))
-    unique, instanced = folder / "unique.xml", folder / "instances.xml"
-    unique.write_text(f"{HEAD}{MESH}</scene>\n")
-    instanced.write_text(f'{HEAD}<shape type="shapegroup" id="group">{MESH}</shape>{placed}</scene>\n')
-    return [unique, instanced]
+    places = [(i % columns, i // columns) for i in range(instances)]
+    placed = "\n".join(f'<shape type="instance"><ref id="group"/><transform name="to_world"><translate x="{x}" y="{y}"/>'
+                       f'</transform></shape>' for x, y in places)
+    scenes = {"ply": MESH, "obj": MESH.replace("ply", "obj"),
+              "instances": f'<shape type="shapegroup" id="group">{MESH}</shape>{placed}'}
+    for name, shapes in scenes.items():
+        (folder / f"{name}.xml").write_text(f"{HEAD}{shapes}</scene>\n")
+    placed = "\n".join(f'AttributeBegin Translate {x} {y} 0 ObjectInstance "group" AttributeEnd' for x, y in places)
+    (folder / "ply.pbrt").write_text(f"{PBRT_HEAD}{PBRT_MESH}\n")
+    (folder / "instances.pbrt").write_text(f'{PBRT_HEAD}ObjectBegin "group" {PBRT_MESH} ObjectEnd\n{placed}\n')
+    return [folder / f"{name}.xml" for name in scenes]
 
 
 def measure(command):
@@ -64,6 +79,9 @@ def commands(arguments, folder):
     if arguments.mitsuba_python:
         programs["Mitsuba " + arguments.variant] = lambda scene: [arguments.mitsuba_python, "-c", MITSUBA,
                                                                   arguments.variant, str(scene)]
+    if arguments.pbrt:
+        programs["pbrt"] = lambda scene: [arguments.pbrt, "--quiet", "--outfile", str(folder / "out.exr"),
+                                          str(scene.with_suffix(".pbrt"))]
     return programs
 
 
@@ -72,6 +90,7 @@ def main():
     parser.add_argument("--sheaf", nargs="+", default=[str(ROOT / "build/release/sheaf")])
     parser.add_argument("--mitsuba-python")
     parser.add_argument("--variant", default="scalar_rgb")
+    parser.add_argument("--pbrt")
     parser.add_argument("--side", type=int, default=300)
     parser.add_argument("--instances", type=int, default=500)
     parser.add_argument("--runs", type=int, default=3)
@@ -84,8 +103,11 @@ def main():
             rows = {program: [] for program in programs}
             for _ in range(arguments.runs):
                 for program, command in programs.items():
-                    rows[program].append(measure(command(scene)))
+                    if program != "pbrt" or scene.with_suffix(".pbrt").exists():
+                        rows[program].append(measure(command(scene)))
             for program, runs in rows.items():
+                if not runs:
+                    continue
                 wall, cpu, memory = (statistics.median(column) for column in zip(*runs))
                 print(f"{scene.stem:12} {program:44} {wall:8.2f} {cpu:8.2f} {memory * 1e-6:8.0f} "
                       f"{memory / (2 * arguments.side ** 2):15.0f}")

@@ -46,10 +46,9 @@ def triangles(side):
 
 def write_obj(file, side):
     with open(file, "w", encoding="ascii") as out:
-        rows = list(grid(side))
-        out.writelines("v %.6f %.6f %.6f\n" % row[:3] for row in rows)
-        out.writelines("vt %.6f %.6f\n" % row[6:] for row in rows)
-        out.writelines("vn %.6f %.6f %.6f\n" % row[3:6] for row in rows)
+        out.writelines("v %.6f %.6f %.6f\n" % row[:3] for row in grid(side))
+        out.writelines("vt %.6f %.6f\n" % row[6:] for row in grid(side))
+        out.writelines("vn %.6f %.6f %.6f\n" % row[3:6] for row in grid(side))
         out.writelines("f %d/%d/%d %d/%d/%d %d/%d/%d\n" % tuple(i + 1 for i in t for _ in range(3))
                        for t in triangles(side))
 
@@ -60,8 +59,8 @@ def write_ply(file, side):
               f"element face {2 * side * side}\nproperty list uchar int vertex_indices\nend_header\n")
     with open(file, "wb") as out:
         out.write(header.encode())
-        out.write(b"".join(struct.pack("<8f", *row) for row in grid(side)))
-        out.write(b"".join(struct.pack("<Biii", 3, *t) for t in triangles(side)))
+        out.writelines(struct.pack("<8f", *row) for row in grid(side))
+        out.writelines(struct.pack("<Biii", 3, *t) for t in triangles(side))
 
 
 def write_scene(file, meshes):
