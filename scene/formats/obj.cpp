@@ -14,6 +14,7 @@
 #include <exception>
 #include <istream>
 #include <limits>
+#include <mutex>
 #include <streambuf>
 #include <utility>
 
@@ -71,10 +72,14 @@ class TextBuffer : public std::streambuf {
 /// Reads one piece of a text.
 class PieceReader {
  public:
-  PieceReader(const ObjText& text, std::string_view piece)
-      : text_(text), piece_(piece), plain_(piece), buffer_(piece), done_(piece.data()) {}
+  /// `room`: an empty piece whose lists have room.
+  PieceReader(const ObjText& text, std::string_view piece, ObjPiece room)
+      : text_(text), piece_(piece), plain_(piece), buffer_(piece), done_(piece.data()), content_(std::move(room)) {}
 
   ObjPiece read() {
+    if (piece_.size() > std::numeric_limits<std::uint32_t>::max())
+      throw SceneError(SourceLocation{text_.file()}, "the OBJ file has a line of more than 4 GiB");
+    content_.text = piece_;
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* reader, float x, float y, float z, float) {
       static_cast<PieceReader*>(reader)->take_numbers(ObjLine::Kind::kPosition, {x, y, z});
@@ -93,6 +98,17 @@ class PieceReader {
       tinyobj::LoadObjWithCallback(stream, callbacks, this);
       parse_lines(done_, piece_.data() + piece_.size());
     } catch (const SceneError&) { content_.error = std::current_exception(); }
+    return content_;  // a copy, without room for more
+  }
+
+  /// The room of the lists, for another piece.
+  ObjPiece take_room() {
+    const auto clear = [](auto&... lists) { (lists.clear(), ...); };
+    clear(content_.positions, content_.normals, content_.uvs, content_.corners, content_.faces, content_.relative_faces,
+          content_.statements);
+    content_.short_faces = 0;
+    content_.highest = {-1, -1, -1};
+    content_.error = nullptr;
     return std::move(content_);
   }
 
@@ -189,7 +205,8 @@ class PieceReader {
       content_.relative_faces.push_back({content_.faces.size(), static_cast<int>(content_.positions.size()),
                                          static_cast<int>(content_.uvs.size()),
                                          static_cast<int>(content_.normals.size())});
-    content_.faces.push_back({content_.corners.size(), line});
+    content_.faces.push_back(
+        {static_cast<std::uint32_t>(content_.corners.size()), static_cast<std::uint32_t>(line - piece_.data())});
   }
 
   static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
@@ -213,11 +230,39 @@ class PieceReader {
   ObjPiece content_;
 };
 
+/// Lists with room that one piece after the other uses: lists that grow fragment the memory.
+class SpareRoom {
+ public:
+  ObjPiece take() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) return {};
+    ObjPiece room = std::move(spare_.back());
+    spare_.pop_back();
+    return room;
+  }
+  void give(ObjPiece room) {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(room));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<ObjPiece> spare_;
+};
+
+ObjPiece read_piece(const ObjText& text, std::string_view piece, SpareRoom& spare) {
+  PieceReader reader(text, piece, spare.take());
+  ObjPiece content = reader.read();
+  spare.give(reader.take_room());
+  return content;
+}
+
 /// Reads the pieces by all threads.
 std::vector<ObjPiece> read_pieces(const ObjText& text, std::size_t piece_bytes) {
+  SpareRoom spare;
   std::vector<ReadAhead<ObjPiece>::Job> jobs;
   for (const std::string_view piece : text.pieces(piece_bytes))
-    jobs.push_back({[&text, piece] { return PieceReader(text, piece).read(); }, static_cast<double>(piece.size())});
+    jobs.push_back({[&, piece] { return read_piece(text, piece, spare); }, static_cast<double>(piece.size())});
   std::vector<ObjPiece> pieces(jobs.size());
   ReadAhead<ObjPiece> readers(std::move(jobs), pieces.size() > 1 ? read_ahead_bytes() : 0);
   for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i] = readers.take(i);

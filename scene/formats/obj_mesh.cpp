@@ -71,7 +71,7 @@ class Joiner {
 
   /// Converts the negative indices of a face.
   void resolve(ObjPiece& piece, const ObjPiece::RelativeFace& relative) {
-    const char* const line = piece.faces[relative.face].line;
+    const char* const line = piece.text.data() + piece.faces[relative.face].line;
     const std::size_t begin = relative.face == 0 ? 0 : piece.faces[relative.face - 1].end;
     for (std::size_t i = begin; i < piece.faces[relative.face].end; ++i) {
       ObjCorner& corner = piece.corners[i];
@@ -104,7 +104,7 @@ class Joiner {
       const auto face = std::upper_bound(
           piece.faces.begin(), piece.faces.end(), found - piece.corners.begin(),
           [](std::ptrdiff_t at, const ObjPiece::Face& f) { return at < static_cast<std::ptrdiff_t>(f.end); });
-      report(list, face->line, out_of_range(name, list.highest + 1, list.values.size()));
+      report(list, piece.text.data() + face->line, out_of_range(name, list.highest + 1, list.values.size()));
       return;
     }
   }

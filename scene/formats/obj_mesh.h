@@ -12,9 +12,10 @@ namespace sheaf {
 
 /// The content of a piece of an OBJ text, which was read without knowledge of the pieces before it.
 struct ObjPiece {
+  /// 32-bit numbers, because a piece has fewer than 2^32 bytes.
   struct Face {
-    std::size_t end;   ///< end in `corners`
-    const char* line;  ///< in the text
+    std::uint32_t end;   ///< end in `corners`
+    std::uint32_t line;  ///< position of its line in `text`
   };
   /// A face with negative indices, and the numbers of values of the piece before it.
   struct RelativeFace {
@@ -30,6 +31,7 @@ struct ObjPiece {
     const char* line;
   };
 
+  std::string_view text;
   std::vector<Vec3f> positions, normals;
   std::vector<Vec2f> uvs;
   /// Of all faces in sequence: positive indices are reduced by 1, absent ones are -1, negative ones -n are -n - 1.
