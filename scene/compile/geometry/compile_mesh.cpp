@@ -11,11 +11,12 @@ namespace sheaf {
 
 namespace {
 
-/// Makes room for `count` more elements: a quarter more than needed unless these are the first.
+/// Makes room for `count` more elements: twice the needed memory unless these are the first. Memory without contents
+/// takes addresses only.
 template <class T> void make_room(std::vector<T>& rows, std::size_t count) {
   const std::size_t needed = rows.size() + count;
   if (needed > rows.capacity()) {
-    rows.reserve(rows.empty() ? needed : needed + needed / 4);
+    rows.reserve(rows.empty() ? needed : 2 * needed);
     prefer_large_pages(rows.data() + rows.size(), (rows.capacity() - rows.size()) * sizeof(T));
   }
   prepare_pages(rows.data() + rows.size(), count * sizeof(T));
