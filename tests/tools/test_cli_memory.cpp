@@ -146,7 +146,10 @@ TEST_CASE("memory: -v lists the times of loading and the memory by cause, and --
   CHECK(contains(compact, "memory (BVH: compact)"));
   CHECK(compact_image == fast_image);
   CHECK(contains(render("").first, "memory (BVH: fast)"));
-  CHECK(contains(render("").first, " (spatial splits not needed)\n"));
+  // 1 sample for each of 64 x 48 pixels with at most 9 rays
+  CHECK(contains(render("").first, " (with spatial splits, at most 3.8 rays per triangle)\n"));
+  CHECK(contains(render("--crop 0,0,1,1").first, " (with spatial splits, at most 3.8 rays per triangle)\n"));
+  CHECK(contains(render("--spp 32").first, " (with spatial splits)\n"));
   CHECK(run(folder, "render scene.xml --bvh small").code == 2);
 }
 
