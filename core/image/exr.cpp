@@ -3,6 +3,7 @@
 
 #include "core/color/color.h"
 #include "core/image/exr_check.h"
+#include "core/image/exr_halves.h"
 #include "core/io/error.h"
 #include "core/io/output_file.h"
 
@@ -190,8 +191,10 @@ std::vector<std::string> channel_names(const Imf::Header& header) {
   return names;
 }
 
-/// An image of zeros with the size and position of a part and the channels `names`. Throws SceneError.
-Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector<std::string> names) {
+/// An image with the size and position of a part and the channels `names`, without its values of `value_bytes` each.
+/// Throws SceneError.
+Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector<std::string> names,
+                    std::size_t value_bytes) {
   // Check the channels
   const SourceLocation where{path.string(), 0};
   if (is_deep(header)) throw SceneError(where, "deep images are not supported");
@@ -212,8 +215,11 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
     if (too_far(corner)) throw SceneError(where, "a window of the image is too far from the origin");
   }
   // Create the image
-  check_image_memory(path, width, height, names.size(), sizeof(float));
-  Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
+  check_image_memory(path, width, height, names.size(), value_bytes);
+  Image image;
+  image.width = static_cast<int>(width);
+  image.height = static_cast<int>(height);
+  image.channels = std::move(names);
   image.x0 = window.min.x - frame.min.x;
   image.y0 = window.min.y - frame.min.y;
   image.frame_width = static_cast<int>(extent(frame.min.x, frame.max.x));
@@ -221,9 +227,11 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
   return image;
 }
 
-Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int index, std::vector<std::string> names) {
+/// Reads the values of the channels of an image that prepare_image() returned.
+template <class Value>
+std::vector<Value> read_values(Imf::MultiPartInputFile& file, int index, const Image& image, Imf::PixelType type) {
   const Imf::Header& header = file.header(index);
-  Image image = prepare_image(path, header, std::move(names));
+  std::vector<Value> values(image.pixel_count() * image.channels.size());
   Imf::InputPart part(file, index);
   Image placed;  // no values: slices use the coordinates of the file, not of the frame
   placed.width = image.width;
@@ -231,11 +239,16 @@ Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int index, 
   placed.y0 = header.dataWindow().min.y;
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
-    buffer.insert(image.channels[c],
-                  make_slice(Imf::FLOAT, image.data.data() + c, sizeof(float), placed, image.channels.size()));
+    buffer.insert(image.channels[c], make_slice(type, values.data() + c, sizeof(Value), placed, image.channels.size()));
   }
   part.setFrameBuffer(buffer);
   part.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+  return values;
+}
+
+Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int index, std::vector<std::string> names) {
+  Image image = prepare_image(path, file.header(index), std::move(names), sizeof(float));
+  image.data = read_values<float>(file, index, image, Imf::FLOAT);
   return image;
 }
 
@@ -308,6 +321,23 @@ Image read_exr_channels(const fs::path& path, std::size_t part, std::vector<std:
     image = read_part(path, file, static_cast<int>(part), std::move(channels));
   });
   return image;
+}
+
+std::optional<HalfImage> read_exr_half_channels(const fs::path& path, std::size_t part,
+                                                std::vector<std::string> channels) {
+  std::optional<HalfImage> halves;
+  with_exr_file(path, [&](Imf::MultiPartInputFile& file) {
+    const auto index = static_cast<int>(part);
+    const Imf::Header& header = file.header(index);
+    if (header.dataWindow() != header.displayWindow()) return;
+    for (const std::string& name : channels) {
+      const Imf::Channel* channel = header.channels().findChannel(name.c_str());
+      if (channel != nullptr && channel->type != Imf::HALF) return;
+    }
+    const Image image = prepare_image(path, header, std::move(channels), sizeof(std::uint16_t));
+    halves = {image.width, image.height, image.channels, read_values<std::uint16_t>(file, index, image, Imf::HALF)};
+  });
+  return halves;
 }
 
 std::vector<ExrMetadata::Attribute> read_exr_attributes(const fs::path& path) {

@@ -3,6 +3,7 @@
 
 #include "core/color/color_space.h"
 #include "core/image/exr.h"
+#include "core/image/exr_halves.h"
 #include "core/image/image_channels.h"
 #include "core/io/error.h"
 
@@ -48,17 +49,19 @@ std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
   return pixels;
 }
 
-/// The color space of a part; Rec.709 if the file specifies none.
-RgbChromaticities space_of(const ExrPart& part, bool xyz) {
-  if (xyz) return kXyzSpace;
-  return part.chromaticities.value_or(kRec709Space);
-}
+/// The part of a file that holds the color.
+struct ColorPart {
+  std::size_t index = 0;              ///< among all parts
+  std::vector<std::string> names;     ///< of its channels that are read
+  std::vector<std::string> channels;  ///< the names that these get
+  bool xyz = false;                   ///< the colors are CIE X, Y and Z
+  std::optional<RgbChromaticities> chromaticities;
 
-}  // namespace
+  bool is_gray() const { return channels.front() == "Y"; }
+};
 
-StoredImage read_exr_colors(const fs::path& path, bool raw) {
+ColorPart find_color_part(const fs::path& path) {
   const SourceLocation where{path.string(), 0};
-  // Find the part and the channels that hold the color
   const std::vector<ExrPart> parts = read_exr_parts(path);
   std::vector<ImageChannels> flat;
   std::vector<std::size_t> part_of;
@@ -70,25 +73,41 @@ StoredImage read_exr_colors(const fs::path& path, bool raw) {
   if (flat.empty()) throw SceneError(where, "deep images are not supported");
   const ColorChannels found = find_color_channels(flat, where);
   const ExrPart& part = parts[part_of[found.part]];
-  // Read the channels
-  std::vector<std::string> names;
-  for (const std::size_t c : found.channels) names.push_back(part.channels[c]);
-  if (found.alpha) names.push_back(part.channels[*found.alpha]);
-  Image image = read_exr_channels(path, part_of[found.part], names);
+  ColorPart out{part_of[found.part], {}, {}, found.xyz, part.chromaticities};
+  for (const std::size_t c : found.channels) out.names.push_back(part.channels[c]);
+  if (found.alpha) out.names.push_back(part.channels[*found.alpha]);
+  const bool gray = found.channels.size() == 1;
+  out.channels = gray ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  if (found.alpha) out.channels.emplace_back("A");
+  return out;
+}
+
+}  // namespace
+
+StoredImage read_exr_colors(const fs::path& path, bool raw) {
+  const ColorPart part = find_color_part(path);
+  Image image = read_exr_channels(path, part.index, part.names);
   StoredImage colors;
   colors.width = image.frame_width;
   colors.height = image.frame_height;
-  const bool gray = found.channels.size() == 1;
-  colors.channels = gray ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
-  if (found.alpha) colors.channels.emplace_back("A");
+  colors.channels = part.channels;
   colors.floats = pixels_of_frame(path, std::move(image));
   // Convert to Rec.709
-  if (gray || raw) return colors;
-  if (!convert_to_rec709(colors.floats, space_of(part, found.xyz), colors.channels.size()))
-    throw SceneError(where,
+  if (part.is_gray() || raw) return colors;
+  const RgbChromaticities space = part.xyz ? kXyzSpace : part.chromaticities.value_or(kRec709Space);
+  if (!convert_to_rec709(colors.floats, space, colors.channels.size()))
+    throw SceneError({path.string(), 0},
                      "the image's chromaticities define no color space (expected primaries that span a "
                      "triangle, and finite numbers)");
   return colors;
+}
+
+std::optional<HalfImage> read_exr_halves(const fs::path& path, bool raw) {
+  const ColorPart part = find_color_part(path);
+  if (!raw && !part.is_gray() && (part.xyz || part.chromaticities)) return std::nullopt;
+  std::optional<HalfImage> image = read_exr_half_channels(path, part.index, part.names);
+  if (image) image->channels = part.channels;
+  return image;
 }
 
 }  // namespace sheaf
