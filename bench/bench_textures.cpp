@@ -24,7 +24,7 @@ struct NoiseImage {
   TextureView view;
 
   NoiseImage(TexelFormat format, TextureFilter filter, std::uint32_t size) {
-    const std::uint32_t per_row = size >> tile_shift(format);
+    const std::uint32_t per_row = size >> tile_shift(format).x;
     tiles.resize(std::size_t{per_row} * per_row + 1);
     for (std::size_t i = 0; i < tiles.size(); ++i)
       for (std::uint32_t word = 0; word < 16; ++word) {

@@ -4,6 +4,7 @@
 #include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/normal_map.h"
+#include "kernels/stages/ray_footprint.h"
 #include "kernels/stages/shading_texture.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_time.h"
@@ -161,7 +162,8 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
                    wi,
                    {},
                    {}};
-  at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v, at.y.p};
+  const RayFootprint<L> footprint = ray_footprint<L>(context, wave, slots, ray, hit.t, at.y);
+  at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v, at.y.p, footprint.squared_lengths, footprint.axis};
   const auto behind = dot(at.y.ng, ray.direction) > F(0.0f);
   BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
   const LaneArray<U> roots(shape.material);

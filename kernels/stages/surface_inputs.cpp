@@ -3,6 +3,7 @@
 #include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/media/moving_medium.h"
+#include "kernels/stages/ray_footprint.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_time.h"
@@ -55,10 +56,11 @@ SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, cons
 
 /// Computes a surface vertex. `kTextured`: with the inputs of textures.
 template <class L, bool kTextured>
-SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const Slot* slots, const RayState<L>& ray,
+SHEAF_INLINE void surface_item(const StageContext& context, Wave& wave, const Slot* slots, const RayState<L>& ray,
                                const HitState<L>& hit, Uint<L> flags, int column, bool with_tangent) {
   using F = Float<L>;
   using U = Uint<L>;
+  const SceneView& scene = context.scene;
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y =
       surface_point<L, kTextured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
@@ -72,8 +74,9 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const Slot* s
   item.tangent = {F(1.0f), F(0.0f)};
   if constexpr (kTextured) {
     if (with_tangent) item.tangent = tangent_of<L>(Frame<L>::from_normal(item.ns), y.dp_du);
-    wave.textured.store<L>(column,
-                           {y.uv, y.dp_du, y.dp_dv, item.ns, select(flipped, F(-1.0f), F(1.0f)), F(0.0f), F(0.0f)});
+    const RayFootprint<L> footprint = ray_footprint<L>(context, wave, slots, ray, hit.t, y);
+    wave.textured.store<L>(column, {y.uv, y.dp_du, y.dp_dv, item.ns, select(flipped, F(-1.0f), F(1.0f)), F(0.0f),
+                                    F(0.0f), footprint.squared_lengths, footprint.axis});
   }
   item.wo = ShadingFrame<L, kTextured>(item).to_local(-ray.direction);
   wave.vertices.store<L>(column, item);
@@ -122,8 +125,9 @@ template <class L>
 }
 
 template <class L, ColorMode kMode>
-SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column,
+SHEAF_INLINE void surface_tile(const StageContext& context, Wave& wave, const Slot* slots, int column,
                                const KindInputs& kind) {
+  const SceneView& scene = context.scene;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
   if (kind.in_medium) {
@@ -134,9 +138,9 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   }
   const Uint<L> flags = gather_member<L>(scene.materials.rows, &MaterialRow::flags, hit.material);
   if (kind.textured) {
-    surface_item<L, true>(scene, wave, slots, ray, hit, flags, column, kind.anisotropic);
+    surface_item<L, true>(context, wave, slots, ray, hit, flags, column, kind.anisotropic);
   } else {
-    surface_item<L, false>(scene, wave, slots, ray, hit, flags, column, kind.anisotropic);
+    surface_item<L, false>(context, wave, slots, ray, hit, flags, column, kind.anisotropic);
   }
   closure_words<L>(scene, wave, hit.material, kind.words, column);
   if constexpr (kMode == ColorMode::kSpectral)
@@ -144,9 +148,9 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
 }
 
 template <class L, ColorMode kMode>
-void surface_run(const SceneView& scene, Wave& wave, const VertexRun& run, const KindInputs& kind) {
+void surface_run(const StageContext& context, Wave& wave, const VertexRun& run, const KindInputs& kind) {
   for_tiles<L>(run.count, [&](int i, int) {
-    surface_tile<L, kMode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
+    surface_tile<L, kMode>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
   });
 }
 
@@ -162,7 +166,7 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
     timer.count(run.count, L::width);
     const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,           textured,
                             kIsPhaseFunction<Bsdf<L>>, kind == kClosureKind<SggxClosure>, closure_spectra<Bsdf>()};
-    with_color_mode(context.scene, [&]<ColorMode kMode>() { surface_run<L, kMode>(context.scene, wave, run, inputs); });
+    with_color_mode(context.scene, [&]<ColorMode kMode>() { surface_run<L, kMode>(context, wave, run, inputs); });
   });
 }
 

@@ -23,18 +23,18 @@ template <class L> struct TextureTile {
   SHEAF_INLINE Mask<L> lanes() const { return L::first(last) & !L::first(first); }
 };
 
-template <class L> SHEAF_INLINE Vec2<L> load_uv(const Wave& wave, int column) {
-  const auto& columns = wave.textured.columns().uv;
-  Vec2<L> uv;
-  load(columns.x + column, uv.x);
-  load(columns.y + column, uv.y);
-  return uv;
+/// Loads a pair of columns of `TexturedItem`.
+template <class L> SHEAF_INLINE Vec2<L> load_pair(const Vec2<Columns>& columns, int column) {
+  Vec2<L> pair;
+  load(columns.x + column, pair.x);
+  load(columns.y + column, pair.y);
+  return pair;
 }
 
 template <class L>
 SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, const TexturedItem<L>& t, Vec3<L> p) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
+  return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p, t.footprint, t.footprint_axis};
 }
 
 /// Whether the textures of a material's parameters depend only on uv coordinates.
@@ -49,7 +49,10 @@ bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
 template <class L, ColorMode kMode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
-  TextureQuery<L> query{load_uv<L>(wave, tile.column), {}, {}, {}, {}};
+  const auto& columns = wave.textured.columns();
+  TextureQuery<L> query{load_pair<L>(columns.uv, tile.column), {}, {}, {}, {}};
+  query.footprint = load_pair<L>(columns.footprint, tile.column);
+  query.footprint_axis = load_pair<L>(columns.footprint_axis, tile.column);
   if (!needs_only_uv(scene, material))
     query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
   const auto lanes = tile.lanes();
@@ -141,11 +144,13 @@ template <class L>
 void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run, const MaterialRun& part) {
   const MaterialRow& material = *part.material;
   for (int at = part.first / L::width * L::width; at < part.last; at += L::width) {
-    const Vec2<L> uv = load_uv<L>(wave, run.column_begin + at);
+    const auto& columns = wave.textured.columns();
+    const Vec2<L> uv = load_pair<L>(columns.uv, run.column_begin + at);
+    const Vec2<L> footprint = load_pair<L>(columns.footprint, run.column_begin + at);
     for (std::uint32_t b = 0; b < material.binding_count; ++b)
-      prefetch_texture<L>(scene.textures, scene.materials.bindings[material.first_binding + b].texture, uv);
+      prefetch_texture<L>(scene.textures, scene.materials.bindings[material.first_binding + b].texture, uv, footprint);
     if (material.flags & kMapped)
-      prefetch_texture<L>(scene.textures, scene.materials.normal_maps[material.map].texture, uv);
+      prefetch_texture<L>(scene.textures, scene.materials.normal_maps[material.map].texture, uv, footprint);
   }
 }
 

@@ -130,8 +130,11 @@ template <class L> struct TexturedItem {
   typename L::Float handedness;     ///< -1 if ns was flipped towards the viewer, otherwise 1
   typename L::Float terminator;     ///< squared roughness of shadow_terminator()
   typename L::Float normal_choice;  ///< photons only, see matches_normal_choice()
+  Vec2<L> footprint;                ///< TextureQuery::footprint
+  Vec2<L> footprint_axis;           ///< TextureQuery::footprint_axis
   static constexpr auto fields(auto& s) {
-    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator, s.normal_choice);
+    return std::tie(s.uv, s.dp_du, s.dp_dv, s.ns_unmapped, s.handedness, s.terminator, s.normal_choice, s.footprint,
+                    s.footprint_axis);
   }
 };
 

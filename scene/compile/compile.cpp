@@ -9,6 +9,7 @@
 #include "scene/compile/media/compile_media.h"
 #include "scene/compile/render_origin.h"
 #include "scene/compile/scene_naming.h"
+#include "scene/compile/textures/mip_levels.h"
 #include "scene/materials/flattener.h"
 
 #include <algorithm>
@@ -194,7 +195,7 @@ void complete(CompileReport& report, std::vector<PlacedGrid> grids, const SceneT
   report.envmap_width = scene.lights.envmap.width;
   report.envmap_height = scene.lights.envmap.height;
   report.envmap_bytes = scene.lights.envmap.bytes();
-  report.texture_bytes = scene.textures.tile_count * sizeof(TexelTile);
+  report.texture_bytes = (scene.textures.tile_count + scene.textures.mip_tile_count) * sizeof(TexelTile);
 }
 
 /// Compiles a description relative to a point in world space; see moved_to().
@@ -237,6 +238,10 @@ std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const 
   if (const Vec3d better = origin_of_mesh_files(in, geometry, origin); better != Vec3d())
     return compile_moved(moved_to(in, better), better, options, errors);
   set_geometry(geometry, naming, scene);
+  with_memory_for("mip levels of textures", "use smaller images", [&] {
+    const SecondsTimer timer(report.texture_seconds);
+    add_mip_levels(scene.materials, scene.textures);
+  });
   scene.info.materials = in.materials.size();
   append(scene.warnings, check_attributes(in, geometry, errors, scene));
   set_bounds(geometry.bounds, cameras.at_open, motion, scene);

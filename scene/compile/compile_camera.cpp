@@ -142,6 +142,12 @@ CompiledCameras compile_cameras(const Description& in, const SceneSettings& sett
       sensor.camera_of(i) = make_camera(camera, width, height);
     }
   }
+  sensor.pixel_cone = pixel_cone_of(sensor.camera, film.width / count, film.height);
+  for (const Camera& camera : sensor.more_cameras) {
+    const PixelCone other = pixel_cone_of(camera, film.width / count, film.height);
+    sensor.pixel_cone = {std::min(sensor.pixel_cone.width, other.width),
+                         std::min(sensor.pixel_cone.spread, other.spread)};
+  }
   if (settings.integrator.traits().connects_photons() && (count > 1 || !sensor.camera.sees_points))
     throw SceneError(
         in.camera.where,
@@ -202,6 +208,24 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   camera.film_step = {static_cast<float>(-step), static_cast<float>(-step)};
   std::copy(description.distortion.begin(), description.distortion.end(), camera.distortion);
   return camera;
+}
+
+PixelCone pixel_cone_of(const Camera& camera, int width, int height) {
+  if (!camera.sees_points) return {};
+  const auto across = static_cast<float>(width), down = static_cast<float>(height);
+  if (camera.rays == CameraRays::kEqualArea) return {0, std::sqrt(4 * kPi / (across * down))};
+  if (camera.rays == CameraRays::kSpherical) return {0, kPi * std::min(2 / across, 1 / down)};
+  PixelCone cone;
+  // Pixels are narrowest in a corner of the film, along the line to its middle
+  cone.spread = kInfinity;
+  const float pixel = std::min(length(camera.dx), length(camera.dy)), film_distance = 1 / length(camera.z_axis);
+  for (const float x : {0.0f, across})
+    for (const float y : {0.0f, down}) {
+      const float distance = length(camera.corner + camera.dx * x + camera.dy * y);
+      cone.spread = std::min(cone.spread, pixel * film_distance / (distance * distance));
+    }
+  cone.width = std::min(length(camera.origin_dx), length(camera.origin_dy)) + camera.near_clip * cone.spread;
+  return cone;
 }
 
 void move_outside_scene(Camera& camera, const CameraDescription& description, Vec3f center, float radius) {

@@ -23,6 +23,9 @@ CompiledCameras compile_cameras(const Description& description, const SceneSetti
 /// monotonic on the film, and a panorama whose transform is not a rotation.
 Camera make_camera(const CameraDescription& description, int width, int height);
 
+/// The narrowest cone of the pixels of a frame of width x height pixels. Ignores the lens and its distortion.
+PixelCone pixel_cone_of(const Camera& camera, int width, int height);
+
 /// Moves a kDistant camera outside the scene, whose shapes lie in the given sphere. Other cameras are unchanged.
 void move_outside_scene(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
 

@@ -204,6 +204,7 @@ template <class L, bool kWithUv>
     out.dp_du = detail::normalize_or<L>(around, frame.t) * turning;
     const Vec3<L> along = tangent * max(select(spline, bend / max(speed, F(1e-30f)), speed), F(kSmallestRadius));
     out.dp_dv = (along + away * axis.dr) * count;
+    out.squared_uv_lengths = {dot(out.dp_du, out.dp_du), dot(out.dp_dv, out.dp_dv)};
   }
   return out;
 }

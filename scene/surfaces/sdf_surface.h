@@ -161,6 +161,7 @@ template <class L, bool kWithUv>
     out.uv = {F(0.0f), F(0.0f)};
     out.dp_du = frame.s;
     out.dp_dv = frame.t;
+    out.squared_uv_lengths = {F(kInfinity), F(kInfinity)};
   }
   return out;
 }

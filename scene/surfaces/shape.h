@@ -26,6 +26,8 @@ SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typ
   const auto frame = Frame<L>::from_normal(out.ng);
   out.dp_du = select<L>(usable, (edge1 * dv2 - edge2 * dv1) * inverse, frame.s);
   out.dp_dv = select<L>(usable, (edge2 * du1 - edge1 * du2) * inverse, frame.t);
+  out.squared_uv_lengths = {select(usable, dot(out.dp_du, out.dp_du), F(kInfinity)),
+                            select(usable, dot(out.dp_dv, out.dp_dv), F(kInfinity))};
 }
 
 /// Moves the vertices of triangles at the first step of their meshes, which may deform, to where they are at times in
@@ -162,6 +164,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
                         select(sphere, -radius * pi, F(1.0f))});
     out.dp_du = select<L>(disk, outward, around);
     out.dp_dv = select<L>(disk, around, along);
+    out.squared_uv_lengths = {dot(out.dp_du, out.dp_du), dot(out.dp_dv, out.dp_dv)};
   }
   return out;
 }
@@ -200,8 +203,14 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
   y.ng = select<L>(instanced, scaled * (F(1.0f) / scaled_length), y.ng);
   y.ns = select<L>(instanced, normalize_any(placed.normal(y.ns)), y.ns);
   if constexpr (kWithUv) {
-    y.dp_du = select<L>(instanced, placed.vector(y.dp_du), y.dp_du);
-    y.dp_dv = select<L>(instanced, placed.vector(y.dp_dv), y.dp_dv);
+    const auto place = [&](Vec3<L>& derivative, F& squared_length) SHEAF_LAMBDA_INLINE {
+      const Vec3<L> vector = placed.vector(derivative);
+      const F scale = dot(vector, vector) / dot(derivative, derivative);
+      squared_length = select(instanced, squared_length * scale, squared_length);
+      derivative = select<L>(instanced, vector, derivative);
+    };
+    place(y.dp_du, y.squared_uv_lengths.x);
+    place(y.dp_dv, y.squared_uv_lengths.y);
   }
 }
 

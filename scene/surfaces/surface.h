@@ -17,6 +17,9 @@ template <class L> struct SurfacePoint {
   /// disk), it has the right direction and a tiny length. If a triangle's uv are missing or degenerate, they are
   /// arbitrary orthonormal tangents. If a mesh has tangents, the directions of tangent and bitangent.
   Vec3<L> dp_du, dp_dv;
+  /// Squared lengths of the derivatives by u and v, also if dp_du and dp_dv are tangents; infinite if unknown. Only
+  /// with kWithUv.
+  Vec2<L> squared_uv_lengths;
 };
 
 /// Normalizes vectors whose squared length would overflow or underflow.
@@ -41,6 +44,8 @@ SHEAF_INLINE SurfacePoint<L> select(Mask<L> m, const SurfacePoint<L>& a, const S
     out.uv = {select(m, a.uv.x, b.uv.x), select(m, a.uv.y, b.uv.y)};
     out.dp_du = select<L>(m, a.dp_du, b.dp_du);
     out.dp_dv = select<L>(m, a.dp_dv, b.dp_dv);
+    out.squared_uv_lengths = {select(m, a.squared_uv_lengths.x, b.squared_uv_lengths.x),
+                              select(m, a.squared_uv_lengths.y, b.squared_uv_lengths.y)};
   }
   return out;
 }

@@ -7,6 +7,8 @@
 #include "scene/tables/interpolation.h"
 #include "scene/tables/table_bytes.h"
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstring>
 #include <memory>
@@ -29,29 +31,53 @@ enum TextureNeeds : std::uint8_t {
 };
 
 /// Storage of a texel: one value, or four of which the fourth is 0. Bytes represent [0, 1] (kSrgbByte: sRGB-encoded,
-/// decoded before interpolation); floats are linear.
-enum class TexelFormat : std::uint8_t { kByte1, kByte4, kSrgbByte1, kSrgbByte4, kFloat1, kFloat4 };
+/// decoded before interpolation); halves (IEEE 754 binary16) and floats are linear.
+enum class TexelFormat : std::uint8_t { kByte1, kByte4, kSrgbByte1, kSrgbByte4, kHalf1, kHalf4, kFloat1, kFloat4 };
 
-constexpr bool holds_bytes(TexelFormat format) { return format < TexelFormat::kFloat1; }
-/// Number of channels used: 1 or 3.
-constexpr int texel_channels(TexelFormat format) {
-  return format == TexelFormat::kByte1 || format == TexelFormat::kSrgbByte1 || format == TexelFormat::kFloat1 ? 1 : 3;
+constexpr bool holds_bytes(TexelFormat format) { return format <= TexelFormat::kSrgbByte4; }
+constexpr bool holds_halves(TexelFormat format) {
+  return format == TexelFormat::kHalf1 || format == TexelFormat::kHalf4;
 }
+/// Number of channels used: 1 or 3.
+constexpr int texel_channels(TexelFormat format) { return static_cast<int>(format) % 2 == 0 ? 1 : 3; }
 
-/// One cache line of texels: a tile of 8x8 (single bytes), 4x4 (four bytes or one float) or 2x2 (four floats), row by
-/// row. Tiles are stored row by row from the image's lower left corner. The last tiles of rows and columns are padded.
+/// One cache line of texels: a tile of 8x8 (single bytes), 8x4 (single halves), 4x4 (four bytes or one float), 4x2
+/// (four halves) or 2x2 (four floats), row by row. Tiles are stored row by row from the image's lower left corner. The
+/// last tiles of rows and columns are padded.
 struct alignas(64) TexelTile {
   std::uint8_t bytes[64];
 };
 
-/// Tiles are 2^tile_shift texels wide and high.
-constexpr int tile_shift(TexelFormat format) {
-  if (texel_channels(format) == 1) return holds_bytes(format) ? 3 : 2;
-  return holds_bytes(format) ? 2 : 1;
+/// The size of tiles in texels: 2^x wide and 2^y high.
+struct TileShift {
+  int x, y;
+  constexpr int texels() const { return x + y; }  ///< binary logarithm of the number of texels
+  constexpr std::uint32_t columns(std::uint32_t width) const { return (width + (1u << x) - 1) >> x; }
+  constexpr std::uint32_t rows(std::uint32_t height) const { return (height + (1u << y) - 1) >> y; }
+};
+constexpr TileShift tile_shift(TexelFormat format) {
+  const int value_bits = holds_bytes(format) ? 0 : holds_halves(format) ? 1 : 2;
+  const int texels = 6 - value_bits - (texel_channels(format) == 1 ? 0 : 2);
+  return {(texels + 1) / 2, texels / 2};
 }
 
 /// Maximum number of texels of an image, including padding, so that 32-bit indices of words address them.
 inline constexpr std::size_t kMaxTexels = std::size_t{1} << 30;
+
+/// A mip level of an image: the image at 1 / 2^level of its size, rounded down. Four words, loaded together.
+template <class L> struct MipLevelRecord {
+  typename L::Uint first_tile{};  ///< into TextureView::mip_tiles
+  typename L::Uint tiles_per_row{};
+  typename L::Uint width{}, height{};  ///< texels, without padding
+  static constexpr auto fields(auto& s) { return std::tie(s.first_tile, s.tiles_per_row, s.width, s.height); }
+};
+using MipLevel = MipLevelRecord<Scalar>;
+static_assert(sizeof(MipLevel) == 16);
+
+/// Number of mip levels of an image besides the image itself. The last has one texel.
+constexpr std::uint32_t mip_level_count(std::uint32_t width, std::uint32_t height) {
+  return static_cast<std::uint32_t>(std::bit_width(std::max(width, height))) - 1;
+}
 
 /// Maximum number of textures that one texture combines.
 inline constexpr std::uint32_t kMaxTextureInputs = 3;
@@ -124,6 +150,8 @@ struct TextureView {
   const std::uint32_t* triangles = nullptr;  ///< GeometryView::triangles
   std::uint32_t shape_count = 0;
   const BrickGridRow* grids = nullptr;
+  const MipLevel* mip_levels = nullptr;  ///< null: no texture has mip levels
+  const TexelTile* mip_tiles = nullptr;  ///< followed by one tile of padding
 };
 
 /// Maximum nesting depth of textures that combine others. A checkerboard of constants has depth 1.
@@ -135,6 +163,9 @@ struct TextureTables {
   std::vector<TextureRow> rows;
   std::unique_ptr<TexelTile[]> tiles;        ///< images one after the other, and one tile of padding
   std::size_t tile_count = 0;                ///< including the padding
+  std::vector<MipLevel> mip_levels;          ///< those of an image in order, without the image itself
+  std::unique_ptr<TexelTile[]> mip_tiles;    ///< levels one after the other, and one tile of padding
+  std::size_t mip_tile_count = 0;            ///< including the padding
   std::vector<std::string> attribute_names;  ///< mesh attributes in use, without duplicates
   /// Pairs of a row and the attribute that the meshes it is used on must have, an index into attribute_names.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> required_attributes;
@@ -149,11 +180,13 @@ struct TextureTables {
     return {rows.data(),       tiles.get(),
             attributes.data(), attribute_values.data(),
             triangles,         attributes.empty() ? 0u : shape_count,
-            grid_rows.data()};
+            grid_rows.data(),  mip_levels.empty() ? nullptr : mip_levels.data(),
+            mip_tiles.get()};
   }
   /// Memory in bytes.
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(rows, attributes, attribute_values) + tile_count * sizeof(TexelTile);
+    std::size_t sum =
+        bytes_of(rows, attributes, attribute_values, mip_levels) + (tile_count + mip_tile_count) * sizeof(TexelTile);
     for (const BrickGrid& grid : grids) sum += grid.bytes();
     return sum;
   }

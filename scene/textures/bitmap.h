@@ -1,6 +1,7 @@
 // Images as textures.
 #pragma once
 
+#include "scene/tables/none.h"
 #include "scene/textures/texture.h"
 
 #include <compare>
@@ -20,6 +21,7 @@ struct BitmapRow {
   TextureWrap wrap_u, wrap_v;
   TextureFilter filter;
   TexelFormat format;
+  std::uint32_t first_level = kNone;  ///< level 1 in TextureView::mip_levels; kNone: the image has no mip levels
 };
 
 /// An image from a file or from memory, repeated over the uv plane.

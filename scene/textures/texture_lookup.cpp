@@ -4,16 +4,17 @@
 
 namespace sheaf {
 
-template <class L> void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv) noexcept {
+template <class L>
+void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv, Vec2<L> footprint) noexcept {
   const TextureRow& row = view.rows[texture];
   bool moves_inputs = false;
   Textures::with(row.kind, [&]<class Texture>() SHEAF_LAMBDA_INLINE {
     if constexpr (requires { Texture::kMovesInputs; }) moves_inputs = Texture::kMovesInputs;
-    if constexpr (requires { Texture::template prefetch<L>(view, row, uv); })
-      Texture::template prefetch<L>(view, row, uv);
+    if constexpr (requires { Texture::template prefetch<L>(view, row, uv, footprint); })
+      Texture::template prefetch<L>(view, row, uv, footprint);
   });
   if (moves_inputs) return;
-  for (const std::uint32_t input : row.used_inputs()) prefetch_texture<L>(view, input, uv);
+  for (const std::uint32_t input : row.used_inputs()) prefetch_texture<L>(view, input, uv, footprint);
 }
 
 template <class L>
@@ -37,8 +38,8 @@ Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, c
                         [&]<class Texture>() SHEAF_LAMBDA_INLINE { return Texture::template slopes<L>(at); });
 }
 
-template void prefetch_texture(const TextureView&, std::uint32_t, Vec2<Wide>) noexcept;
-template void prefetch_texture(const TextureView&, std::uint32_t, Vec2<Scalar>) noexcept;
+template void prefetch_texture(const TextureView&, std::uint32_t, Vec2<Wide>, Vec2<Wide>) noexcept;
+template void prefetch_texture(const TextureView&, std::uint32_t, Vec2<Scalar>, Vec2<Scalar>) noexcept;
 template Spectrum<Wide> lookup_texture(const TextureView&, std::uint32_t, const TextureQuery<Wide>&) noexcept;
 template Float<Wide> lookup_scalar(const TextureView&, std::uint32_t, const TextureQuery<Wide>&) noexcept;
 template Vec2<Wide> lookup_scalar_gradient(const TextureView&, std::uint32_t, const TextureQuery<Wide>&) noexcept;

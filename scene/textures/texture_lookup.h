@@ -15,16 +15,23 @@ template <class L> struct TextureQuery {
   typename L::Uint primitive;
   typename L::Float b1, b2;  ///< mesh attributes: barycentric coordinates, the weights of vertices 1 and 2
   Vec3<L> p{};               ///< volumes: world-space point; not set by lights, whose textures contain no volumes
-  static constexpr auto fields(auto& s) { return std::tie(s.uv, s.shape, s.primitive, s.b1, s.b2, s.p); }
+  /// Squared lengths along u and v of the part of the surface over which colors are averaged; 0: the point alone.
+  Vec2<L> footprint{typename L::Float(0.0f), typename L::Float(0.0f)};
+  /// That part is moved along this vector of the uv plane, from minus to plus one half of it.
+  Vec2<L> footprint_axis{typename L::Float(0.0f), typename L::Float(0.0f)};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.uv, s.shape, s.primitive, s.b1, s.b2, s.p, s.footprint, s.footprint_axis);
+  }
 };
 
 // Compiled once for Wide and Scalar, because many stages use them and each would contain a copy.
 
 /// The texture's color: linear Rec.709 with 0 in the fourth lane. Scalars are gray. `texture` is a row of `view`.
+/// Images with mip levels are looked up in that whose texels fit the footprint, at several points along its axis.
 template <class L>
 Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
-/// The texture as a scalar: the luminance of colors.
+/// The texture as a scalar: the luminance of colors. Ignores the footprint, as opacities and weights are not linear.
 template <class L>
 Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
@@ -33,9 +40,10 @@ Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const Tex
 template <class L>
 Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
-/// Prefetches the texels that a lookup at `uv` will read. Only acts on images and textures composed of them at the same
-/// coordinates.
-template <class L> void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv) noexcept;
+/// Prefetches the texels that a color lookup at `uv` with `footprint` will read. Only acts on images and textures
+/// composed of them at the same coordinates.
+template <class L>
+void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv, Vec2<L> footprint) noexcept;
 
 /// Values of a binding's texture for the closure's words: the first binding.words lanes of the result.
 template <class L>

@@ -1,5 +1,6 @@
 // Warns about images with values that are invalid as reflectances. Kernels clamp these, which changes the result.
 #include "core/image/image.h"
+#include "core/math/half.h"
 #include "scene/compile/textures/compile_textures.h"
 #include "scene/spectra/spectrum_rgb.h"
 
@@ -26,16 +27,22 @@ struct OutOfRangeTexels {
   }
 };
 
-/// Examines tiles with texels of `kValues` floats. Padding and unused fourth values are zero and so in range.
-template <std::size_t kValues> OutOfRangeTexels out_of_range_texels(std::span<const TexelTile> tiles) {
+float as_float(float value) { return value; }
+float as_float(std::uint16_t half) { return half_to_float(half); }
+
+/// Examines tiles with texels of `kValues` numbers of a type. Padding and unused fourth values are zero and so in
+/// range.
+template <class Value, std::size_t kValues> OutOfRangeTexels out_of_range_texels(std::span<const TexelTile> tiles) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto add = [&](const Range& range, OutOfRangeTexels sum) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const auto* values = reinterpret_cast<const float*>(tiles[i].bytes);
-      for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(float); t += kValues) {
-        float low = values[t], high = low;
-        for (std::size_t k = 1; k < kValues; ++k)
-          low = std::min(low, values[t + k]), high = std::max(high, values[t + k]);
+      const auto* values = reinterpret_cast<const Value*>(tiles[i].bytes);
+      for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(Value); t += kValues) {
+        float low = as_float(values[t]), high = low;
+        for (std::size_t k = 1; k < kValues; ++k) {
+          const float value = as_float(values[t + k]);
+          low = std::min(low, value), high = std::max(high, value);
+        }
         sum.texels += low < 0.0f || high > 1.0f ? 1 : 0;
         sum.smallest = std::min(sum.smallest, low);
         sum.largest = std::max(sum.largest, high);
@@ -52,10 +59,18 @@ template <std::size_t kValues> OutOfRangeTexels out_of_range_texels(std::span<co
 
 OutOfRangeTexels out_of_range_texels(const BitmapRow& bitmap, const TexelTile* tiles) {
   if (holds_bytes(bitmap.format)) return {};
-  const std::uint32_t shift = static_cast<std::uint32_t>(tile_shift(bitmap.format));
-  const std::size_t rows = (bitmap.height + (1u << shift) - 1) >> shift;
+  const std::size_t rows = tile_shift(bitmap.format).rows(bitmap.height);
   const std::span<const TexelTile> own(tiles + bitmap.first_tile, rows * bitmap.tiles_per_row);
-  return bitmap.format == TexelFormat::kFloat1 ? out_of_range_texels<1>(own) : out_of_range_texels<4>(own);
+  switch (bitmap.format) {
+    case TexelFormat::kHalf1:
+      return out_of_range_texels<std::uint16_t, 1>(own);
+    case TexelFormat::kHalf4:
+      return out_of_range_texels<std::uint16_t, 4>(own);
+    case TexelFormat::kFloat1:
+      return out_of_range_texels<float, 1>(own);
+    default:
+      return out_of_range_texels<float, 4>(own);
+  }
 }
 
 /// The inputs of a texture that shows each of them on a part of the surface (kShowsColors).

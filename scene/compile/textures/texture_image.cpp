@@ -2,60 +2,93 @@
 #include "scene/compile/textures/texture_image.h"
 
 #include "core/color/color.h"
+#include "core/image/exr.h"
+#include "core/image/exr_halves.h"
 #include "core/image/image.h"
 #include "core/image/image_channels.h"
 #include "core/io/file_cache.h"
 #include "core/io/memory.h"
+#include "core/math/half.h"
+#include "core/soa/large_pages.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <optional>
 
 namespace sheaf {
 
 namespace {
 
-/// Calls f(texel index in tiled order, pixel index) for every pixel; pixels count from the upper left.
-template <class F> void for_each_texel(const TiledImage& image, F&& f) {
-  const int shift = tile_shift(image.format);
-  const std::size_t mask = (std::size_t{1} << shift) - 1, width = image.width, height = image.height;
-  for (std::size_t y = 0; y < height; ++y) {
-    const std::size_t row = ((y >> shift) * image.tiles_per_row << 2 * shift) + ((y & mask) << shift);
-    const std::size_t first_pixel = (height - 1 - y) * width;
-    for (std::size_t x = 0; x < width; ++x) f(row + ((x >> shift) << 2 * shift) + (x & mask), first_pixel + x);
+/// Moves the selected `channels` of the image's `values` into texels of one or four values, converted by `convert`.
+/// Writes tiles and releases values row by row, so that most of the image exists only once.
+template <class T, class Convert>
+void fill_tiles(TiledImage& image, std::vector<T>& values, std::size_t stride, const std::vector<std::size_t>& channels,
+                Convert&& convert) {
+  using Texel = std::decay_t<decltype(convert(T{}))>;
+  const std::size_t texel_bytes = (channels.size() == 1 ? 1 : 4) * sizeof(Texel);
+  const TileShift shift = tile_shift(image.format);
+  const std::size_t x_mask = (std::size_t{1} << shift.x) - 1, y_mask = (std::size_t{1} << shift.y) - 1;
+  const std::size_t row_values = image.width * stride;
+  std::size_t end = values.size();  // of the values that are not released
+  for (std::size_t y = 0; y < image.height; ++y) {
+    TexelTile* const tiles = &image.tiles[(y >> shift.y) * image.tiles_per_row];
+    if ((y & y_mask) == 0) std::fill_n(tiles, image.tiles_per_row, TexelTile{});
+    const T* const pixels = &values[(image.height - 1 - y) * row_values];
+    for (std::size_t x = 0; x < image.width; ++x) {
+      Texel copy[4] = {};
+      for (std::size_t k = 0; k < channels.size(); ++k) copy[k] = convert(pixels[x * stride + channels[k]]);
+      const std::size_t texel = ((y & y_mask) << shift.x) + (x & x_mask);
+      std::memcpy(tiles[x >> shift.x].bytes + texel * texel_bytes, copy, texel_bytes);
+    }
+    constexpr std::size_t kReleased = std::size_t{4} << 20;
+    const std::size_t begin = (image.height - 1 - y) * row_values;
+    if ((end - begin) * sizeof(T) < kReleased) continue;
+    release_pages(&values[begin], (end - begin) * sizeof(T));
+    end = begin;
   }
 }
 
-/// Copies the selected `channels` of the image's `values` into texels of one or four values.
-template <class T>
-void fill_tiles(TiledImage& image, const std::vector<T>& values, std::size_t stride,
-                const std::vector<std::size_t>& channels) {
-  const std::size_t texel_bytes = (channels.size() == 1 ? 1 : 4) * sizeof(T);
-  auto* tiles = reinterpret_cast<std::uint8_t*>(image.tiles.data());
-  for_each_texel(image, [&](std::size_t texel, std::size_t pixel) {
-    T copy[4] = {};
-    for (std::size_t k = 0; k < channels.size(); ++k) copy[k] = values[pixel * stride + channels[k]];
-    std::memcpy(tiles + texel * texel_bytes, copy, texel_bytes);
-  });
-}
-
-/// Checks that the selected channels are finite, and decodes them if `decode`.
-void prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channels, bool decode,
-                    const SourceLocation& where) {
-  const std::size_t stride = stored.channels.size(), width = static_cast<std::size_t>(stored.width);
-  for (std::size_t pixel = 0; pixel * stride < stored.floats.size(); ++pixel) {
-    for (const std::size_t c : channels) {
-      float& value = stored.floats[pixel * stride + c];
-      if (!std::isfinite(value)) {
+/// Throws SceneError if a value of the selected channels is not finite. `value_at(i)`: the i-th value of the image.
+template <class ValueAt>
+void check_finite(int width, int height, const std::vector<std::string>& names,
+                  const std::vector<std::size_t>& channels, const SourceLocation& where, ValueAt&& value_at) {
+  const std::size_t columns = static_cast<std::size_t>(width), pixels = columns * static_cast<std::size_t>(height);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    for (const std::size_t c : channels)
+      if (!std::isfinite(value_at(pixel * names.size() + c))) {
         throw SceneError(
             where,
             fmt::format("channel {} of the pixel in column {}, row {} (from the upper left) is not a finite number",
-                        stored.channels[c], pixel % width, pixel / width));
+                        names[c], pixel % columns, pixel / columns));
       }
+}
+
+/// Checks that the selected channels are finite, and decodes them if `decode`. Returns whether all of them are exact as
+/// halves.
+bool prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channels, bool decode,
+                    const SourceLocation& where) {
+  check_finite(stored.width, stored.height, stored.channels, channels, where,
+               [&](std::size_t i) { return stored.floats[i]; });
+  const std::size_t stride = stored.channels.size();
+  bool are_halves = true;
+  for (std::size_t pixel = 0; pixel * stride < stored.floats.size(); ++pixel) {
+    for (const std::size_t c : channels) {
+      float& value = stored.floats[pixel * stride + c];
       if (decode) value = srgb_to_linear(value);
+      are_halves = are_halves && half_to_float(float_to_half(value)) == value;
     }
   }
+  return are_halves;
+}
+
+/// The format of texels with one channel if `gray`.
+TexelFormat format_of(bool bytes, bool halves, bool gray) {
+  if (bytes) return gray ? TexelFormat::kByte1 : TexelFormat::kByte4;
+  if (halves) return gray ? TexelFormat::kHalf1 : TexelFormat::kHalf4;
+  return gray ? TexelFormat::kFloat1 : TexelFormat::kFloat4;
 }
 
 /// Converts all values to floats, decoded unless `linear`, and applies the color transform.
@@ -85,52 +118,77 @@ StoredImage opaque_pixel() {
   return pixel;
 }
 
-/// Indices of the channels that the texture uses: one or three. Replaces the image if it lacks alpha and that is used.
-std::vector<std::size_t> select_channels(StoredImage& stored, BitmapDescription::Channel channel,
+/// Indices of the channels that the texture uses: one or three, or none if that is the alpha of an image without alpha.
+std::vector<std::size_t> select_channels(const std::vector<std::string>& names, BitmapDescription::Channel channel,
                                          const SourceLocation& where) {
   using Channel = BitmapDescription::Channel;
-  const ColorChannels found = find_color_channels(stored.channels, where);
+  const ColorChannels found = find_color_channels(names, where);
   if (channel == Channel::kColor) return found.channels;
   if (channel != Channel::kAlpha) {
     const auto index = static_cast<std::size_t>(channel) - static_cast<std::size_t>(Channel::kRed);
     return {found.channels[std::min(index, found.channels.size() - 1)]};
   }
   if (found.alpha) return {*found.alpha};
-  stored = opaque_pixel();
-  return {0};
+  return {};
+}
+
+/// An image of this size with space for its tiles. Throws SceneError if it is too large.
+TiledImage prepare_tiles(int width, int height, TexelFormat format, const SourceLocation& where) {
+  TiledImage image;
+  image.width = static_cast<std::uint32_t>(width);
+  image.height = static_cast<std::uint32_t>(height);
+  image.format = format;
+  const TileShift shift = tile_shift(image.format);
+  image.tiles_per_row = shift.columns(image.width);
+  const std::size_t tiles = std::size_t{image.tiles_per_row} * shift.rows(image.height);
+  if (tiles << shift.texels() > kMaxTexels) {
+    throw SceneError(
+        where, fmt::format("an image of {} x {} pixels is too large for a texture (expected at most {} texels)", width,
+                           height, kMaxTexels));
+  }
+  const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "use a smaller image"};
+  check_memory(
+      fmt::format("{} of {} x {} pixels",
+                  where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file), width, height),
+      {&texels, 1});
+  image.tiles.resize(tiles);
+  return image;
 }
 
 TiledImage tile_stored_image(StoredImage stored, const BitmapDescription& bitmap, const SourceLocation& where) {
-  const std::vector<std::size_t> channels = select_channels(stored, bitmap.channel, where);
+  std::vector<std::size_t> channels = select_channels(stored.channels, bitmap.channel, where);
+  if (channels.empty()) {
+    stored = opaque_pixel();
+    channels = {0};
+  }
   if (bitmap.change != BitmapDescription::ColorTransform{}) change_values(stored, bitmap.is_linear(), bitmap.change);
-  const bool bytes = !stored.bytes.empty(), gray = channels.size() == 1;
+  const bool bytes = !stored.bytes.empty();
+  const bool halves = !bytes && prepare_floats(stored, channels, stored.integers && !bitmap.is_linear(), where);
+  TiledImage image = prepare_tiles(stored.width, stored.height, format_of(bytes, halves, channels.size() == 1), where);
+  const std::size_t stride = stored.channels.size();
+  if (bytes)
+    fill_tiles(image, stored.bytes, stride, channels, std::identity{});
+  else if (halves)
+    fill_tiles(image, stored.floats, stride, channels, float_to_half);
+  else
+    fill_tiles(image, stored.floats, stride, channels, std::identity{});
+  return image;
+}
 
-  TiledImage image;
-  image.width = static_cast<std::uint32_t>(stored.width);
-  image.height = static_cast<std::uint32_t>(stored.height);
-  image.format =
-      bytes ? (gray ? TexelFormat::kByte1 : TexelFormat::kByte4) : (gray ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
-  const int shift = tile_shift(image.format);
-  const auto tiles_along = [shift](std::uint32_t size) { return (size + (1u << shift) - 1) >> shift; };
-  image.tiles_per_row = tiles_along(image.width);
-  const std::size_t tiles = std::size_t{image.tiles_per_row} * tiles_along(image.height);
-  if (tiles << 2 * shift > kMaxTexels) {
-    throw SceneError(where,
-                     fmt::format("an image of {} x {} pixels is too large for a texture (expected at most {} texels)",
-                                 stored.width, stored.height, kMaxTexels));
-  }
-  const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "use a smaller image"};
-  check_memory(fmt::format("{} of {} x {} pixels",
-                           where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file), stored.width,
-                           stored.height),
-               {&texels, 1});
-  image.tiles.resize(tiles);
-  if (bytes) {
-    fill_tiles(image, stored.bytes, stored.channels.size(), channels);
-  } else {
-    prepare_floats(stored, channels, stored.integers && !bitmap.is_linear(), where);
-    fill_tiles(image, stored.floats, stored.channels.size(), channels);
-  }
+/// The texture of an OpenEXR file of halves. Returns nothing for other files, and if values change.
+std::optional<TiledImage> tile_halves(const BitmapDescription& bitmap, const SourceLocation& where) {
+  std::error_code ignored;
+  if (bitmap.change != BitmapDescription::ColorTransform{} || !std::filesystem::is_regular_file(bitmap.file, ignored) ||
+      !is_exr(bitmap.file))
+    return std::nullopt;
+  std::optional<HalfImage> halves = read_exr_halves(bitmap.file, bitmap.raw);
+  if (!halves) return std::nullopt;
+  const std::vector<std::size_t> channels = select_channels(halves->channels, bitmap.channel, where);
+  if (channels.empty()) return std::nullopt;
+  check_finite(halves->width, halves->height, halves->channels, channels, where,
+               [&](std::size_t i) { return half_to_float(halves->values[i]); });
+  TiledImage image = prepare_tiles(halves->width, halves->height, format_of(false, true, channels.size() == 1), where);
+  fill_tiles(image, halves->values, halves->channels.size(), channels, std::identity{});
   return image;
 }
 
@@ -154,7 +212,9 @@ TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocatio
   for (const float value : {bitmap.change.scale, bitmap.change.invert ? 1.0f : 0.0f, bitmap.change.exponent})
     key += fmt::format(" {}", std::bit_cast<std::uint32_t>(value));
   return cached(bitmap.file, key, [&] {
-    return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, {bitmap.file.string(), 0});
+    const SourceLocation file{bitmap.file.string(), 0};
+    if (std::optional<TiledImage> image = tile_halves(bitmap, file)) return *std::move(image);
+    return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, file);
   });
 }
 

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Copies tiles and frees their memory progressively, so that the tiles exist only once.
-void move_tiles(std::vector<TexelTile>& from, TexelTile* to) {
+void move_tiles(UninitializedLargeTable<TexelTile>& from, TexelTile* to) {
   constexpr std::size_t kBlock = std::size_t{32} << 14;  // tiles, 32 MiB
   for (std::size_t begin = 0; begin < from.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, from.size() - begin);

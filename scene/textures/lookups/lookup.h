@@ -6,7 +6,7 @@
 //     scalar    the texture as a scalar: the luminance of colors,
 //     slopes    derivatives of `scalar` by the surface's u and v; kinds that have none derive from WithoutSlopes,
 // and optionally
-//     prefetch      prefetches what a lookup will read, besides that of its inputs,
+//     prefetch      prefetches what a color lookup will read, besides that of its inputs,
 //     kMovesInputs  true: inputs are looked up at other coordinates and are not prefetched.
 // A specialization of LookupOf below the struct makes them the lookups of its description.
 //

@@ -26,6 +26,7 @@ struct UvSetTexture : WithoutSlopes {
     const AttributeValue<L> uv = lookup_attribute<L>(at.view, data.attribute, 1.0f, at.query);
     TextureQuery<L> query = at.query;
     query.uv = {uv.rgb[0], uv.rgb[1]};
+    query.footprint = query.footprint_axis = {Float<L>(0.0f), Float<L>(0.0f)};
     return query;
   }
 };

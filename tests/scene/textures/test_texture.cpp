@@ -4,6 +4,7 @@
 
 #include "core/color/color.h"
 #include "core/image/exr.h"
+#include "core/math/half.h"
 #include "scene/compile/textures/texture_image.h"
 #include "tests/support/capture.h"
 #include "tests/support/contains.h"
@@ -31,11 +32,17 @@ std::vector<int> ramp(int count, int step = 7, int modulus = 256) {
 
 /// The stored value of a texel, counted from the lower left, with bytes as 0 .. 255.
 double stored(const TiledImage& image, int x, int y, int channel = 0) {
-  const int shift = tile_shift(image.format), side = 1 << shift;
-  const auto tile = static_cast<std::size_t>(y / side) * image.tiles_per_row + static_cast<std::size_t>(x / side);
+  const TileShift shift = tile_shift(image.format);
+  const int columns = 1 << shift.x, rows = 1 << shift.y;
+  const auto tile = static_cast<std::size_t>(y / rows) * image.tiles_per_row + static_cast<std::size_t>(x / columns);
   const bool gray = texel_channels(image.format) == 1;
-  const auto value = static_cast<std::size_t>((y % side * side + x % side) * (gray ? 1 : 4) + channel);
+  const auto value = static_cast<std::size_t>((y % rows * columns + x % columns) * (gray ? 1 : 4) + channel);
   if (holds_bytes(image.format)) return image.tiles[tile].bytes[value];
+  if (holds_halves(image.format)) {
+    std::uint16_t half = 0;
+    std::memcpy(&half, image.tiles[tile].bytes + 2 * value, sizeof(half));
+    return half_to_float(half);
+  }
   float out = 0;
   std::memcpy(&out, image.tiles[tile].bytes + 4 * value, sizeof(float));
   return out;
@@ -156,7 +163,7 @@ TEST_CASE("texture: images of every format are read") {
 
   write_hdr(folder / "a.hdr", 9, 6, color);
   const TiledImage hdr = load_image(folder / "a.hdr", false);
-  CHECK(hdr.format == TexelFormat::kFloat4);
+  CHECK(hdr.format == TexelFormat::kHalf4);
   CHECK(holds(hdr, color, 3, 0.5 + 1e-6));  // some libraries add half a step
 
   write_tiff(folder / "a16.tif", 9, 6, 3, 16, wide);
@@ -180,7 +187,7 @@ TEST_CASE("texture: OpenEXR images are linear and have named channels") {
   write_exr(folder / "color.exr", image);
   for (const bool raw : {false, true}) {
     const TiledImage color = load_image(folder / "color.exr", raw);
-    REQUIRE(color.format == TexelFormat::kFloat4);
+    REQUIRE(color.format == TexelFormat::kHalf4);
     CHECK(stored(color, 4, 2, 0) == 300 + 4 - 50);
     CHECK(stored(color, 4, 0, 1) == 200 + 20 + 4 - 50);
     CHECK(stored(color, 0, 1, 2) == 100 + 10 - 50);
@@ -193,9 +200,59 @@ TEST_CASE("texture: OpenEXR images are linear and have named channels") {
   gray.at(1, 0, 1) = 0.25f;
   write_exr(folder / "grey.exr", gray);
   const TiledImage tiled = load_image(folder / "grey.exr", false);
-  CHECK(tiled.format == TexelFormat::kFloat1);
+  CHECK(tiled.format == TexelFormat::kHalf1);
   CHECK(stored(tiled, 1, 2) == 0.25);
   CHECK(stored(tiled, 1, 0) == 0.0);
+}
+
+TEST_CASE("texture: halves of OpenEXR files are read as such") {
+  const TemporaryFolder folder;
+  Image image(19, 7, {"A", "B", "G", "R"});
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::sin(static_cast<float>(i));
+  ExrMetadata metadata;
+  metadata.half_channels = image.channels;
+  using Channel = BitmapDescription::Channel;
+  for (const bool frame : {true, false}) {
+    // A data window within the display window
+    if (!frame) image.frame_width = 21, image.frame_height = 8, image.x0 = 1;
+    write_exr(folder / "a.exr", image, metadata);
+    for (const Channel channel : {Channel::kColor, Channel::kGreen, Channel::kAlpha}) {
+      BitmapDescription bitmap;
+      bitmap.file = folder / "a.exr";
+      bitmap.channel = channel;
+      const TiledImage tiled = load_tiled_image(bitmap, {});
+      REQUIRE(tiled.format == (channel == Channel::kColor ? TexelFormat::kHalf4 : TexelFormat::kHalf1));
+      REQUIRE(static_cast<int>(tiled.width) == image.frame_width);
+      const int column = channel == Channel::kAlpha ? 0 : 2;
+      for (int y = 0; y < 7; ++y)
+        for (int x = 0; x < 19; ++x)
+          CHECK(stored(tiled, x + image.x0, image.frame_height - 1 - y, channel == Channel::kColor ? 1 : 0) ==
+                static_cast<double>(half_to_float(float_to_half(image.at(x, y, column)))));
+    }
+  }
+  image.at(3, 2, 3) = std::numeric_limits<float>::infinity();
+  write_exr(folder / "a.exr", image, metadata);
+  CHECK(contains(message_of([&] { load_image(folder / "a.exr", false); }), "is not a finite number"));
+}
+
+TEST_CASE("texture: floats are stored as halves if all of them are exact as such") {
+  const TemporaryFolder folder;
+  constexpr float kSmallest = 0x1p-24f, kLargest = 65504;
+  for (const auto& [last, format] : {std::pair{1.0f / 3, TexelFormat::kFloat1},
+                                     {65536.0f, TexelFormat::kFloat1},
+                                     {kSmallest / 2, TexelFormat::kFloat1},
+                                     {-kLargest, TexelFormat::kHalf1}}) {
+    Image image(19, 7, {"Y"});
+    for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<float>(i) / 64;
+    image.data[0] = kSmallest;
+    image.data[1] = -1000 * kSmallest;
+    image.data.back() = last;
+    write_exr(folder / "a.exr", image);
+    const TiledImage tiled = load_image(folder / "a.exr", false);
+    REQUIRE(tiled.format == format);
+    for (int y = 0; y < 7; ++y)
+      for (int x = 0; x < 19; ++x) CHECK(stored(tiled, x, 6 - y) == static_cast<double>(image.at(x, y, 0)));
+  }
 }
 
 TEST_CASE("texture: alpha is dropped without unpremultiplying") {

@@ -186,7 +186,7 @@ TEST_CASE("uv sets: the input is looked up at the coordinates in the attribute")
       const auto r = static_cast<std::uint32_t>(k);
       return TextureQuery<Scalar>{{uniform(r, 3), uniform(r, 4)}, r % 2, r % 3, 0.5f * uniform(r, 5), 0.3f};
     }));
-  prefetch_texture<Scalar>(view, 4, {0.3f, 0.4f});
+  prefetch_texture<Scalar>(view, 4, {0.3f, 0.4f}, {0, 0});
   CHECK_THROWS_WITH_AS(compile_textures({image, texture(UvSetTextureDescription{"uv1", TextureId{0}})}),
                        doctest::Contains("'uv1' is not a mesh attribute"), SceneError);
 }

@@ -39,7 +39,9 @@ inline TextureQuery<Wide> wide_query(const std::function<TextureQuery<Scalar>(in
       wide_uints([&](int k) { return lane_query(k).primitive; }),
       wide_floats([&](int k) { return lane_query(k).b1; }),
       wide_floats([&](int k) { return lane_query(k).b2; }),
-      wide_record<Vec3>([&](int k) { return lane_query(k).p; })};
+      wide_record<Vec3>([&](int k) { return lane_query(k).p; }),
+      wide_record<Vec2>([&](int k) { return lane_query(k).footprint; }),
+      wide_record<Vec2>([&](int k) { return lane_query(k).footprint_axis; })};
 }
 
 /// Largest difference between SIMD and scalar lookups of a texture. They are equal except where the compiler fuses a
