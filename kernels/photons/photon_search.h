@@ -3,11 +3,14 @@
 #pragma once
 
 #include "core/sampling/octahedral.h"
+#include "core/simd/prefetch.h"
 #include "core/simd/simd_compress.h"
 #include "core/simd/simd_small_integers.h"
 #include "kernels/photons/photon_map.h"
 
 #include <bit>
+#include <span>
+#include <vector>
 
 namespace sheaf {
 
@@ -38,6 +41,11 @@ template <class L> struct PhotonQuery {
   }
 };
 
+/// Lists of nodes of two levels, which searches reuse.
+struct PhotonSearchLists {
+  std::vector<std::uint32_t> nodes = std::vector<std::uint32_t>(64), below = nodes;
+};
+
 /// Photons that a search has added up itself, because their block lies inside the sphere.
 template <class L> struct SummedPhotons {
   Spectrum<L> power;          ///< of those that arrive on the side of the vertex's normal, W
@@ -46,8 +54,10 @@ template <class L> struct SummedPhotons {
 
 namespace photon_search {
 
-/// Maximum length of the lists of nodes.
-inline constexpr int kListed = 256;
+/// Lists of blocks longer than this are passed on.
+inline constexpr int kListed = 240;
+/// Number of groups of blocks that are prefetched ahead.
+inline constexpr std::size_t kGroupsAhead = 16;
 /// Minimum squared cosine between the normals of vertex and block for photons to arrive on the same side of both: the
 /// difference of the unit normals is less than kOneSidedCosine.
 inline constexpr float kAlignedCosine2 = 0.9997f;
@@ -167,56 +177,55 @@ SHEAF_INLINE int append_near_blocks(const PhotonMapView& map, std::uint32_t inde
   return count;
 }
 
-/// Searches groups in ascending order: calls append(group, out), which appends nodes to a list and returns their
-/// number, and passes lists on to f.
-template <class A, class F> SHEAF_INLINE void search_groups(const std::uint32_t* groups, int count, A&& append, F&& f) {
-  std::uint32_t found[kListed + kPhotonBlock];
-  int length = 0;
-  for (int i = 0; i < count; ++i) {
-    length += append(groups[i], found + length);
-    if (length == 0 || (i + 1 < count && length + static_cast<int>(kPhotonBlock) <= kListed)) continue;
-    f(static_cast<const std::uint32_t*>(found), length);
-    length = 0;
+/// The groups of level 0 that may overlap the sphere of squared radius `within`, m^2, in ascending order.
+template <class L>
+std::span<const std::uint32_t> near_block_groups(const PhotonMapView& map, const PhotonQuery<L>& query, Float<L> within,
+                                                 PhotonSearchLists& lists) {
+  std::size_t count = 1;
+  lists.nodes[0] = 0;
+  for (int level = map.levels - 1; level > 0; --level) {
+    const PhotonGroup* groups = map.groups[static_cast<std::size_t>(level)];
+    std::size_t below = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (lists.below.size() < below + kPhotonBlock) lists.below.resize(2 * lists.below.size());
+      const std::uint32_t group = lists.nodes[i];
+      below += static_cast<std::size_t>(
+          append_near_groups<L>(groups[group], group * kPhotonBlock, query, within, lists.below.data() + below));
+    }
+    lists.nodes.swap(lists.below);
+    count = below;
   }
+  return {lists.nodes.data(), count};
 }
 
-/// Visits groups of level 0 in ascending order. `within` may shrink meanwhile. A function of its own, so that the calls
-/// for the levels above do not save the many constants that only blocks need.
-template <class L, class F>
-void visit_block_groups(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within,
-                        SummedPhotons<L>* sum, const std::uint32_t* groups, int count, F& f) {
-  search_groups(
-      groups, count,
-      [&](std::uint32_t group, std::uint32_t* out)
-          SHEAF_LAMBDA_INLINE { return append_near_blocks<L>(map, group, query, Float<L>(within), sum, out); },
-      f);
-}
-
-/// The same for groups of any level.
-template <class L, class F>
-void visit_groups(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within, SummedPhotons<L>* sum,
-                  int level, const std::uint32_t* groups, int count, F& f) {
-  if (level == 0) return visit_block_groups<L>(map, query, within, sum, groups, count, f);
-  const PhotonGroup* of_level = map.groups[static_cast<std::size_t>(level)];
-  search_groups(
-      groups, count,
-      [&](std::uint32_t group, std::uint32_t* out) SHEAF_LAMBDA_INLINE {
-        return append_near_groups<L>(of_level[group], group * kPhotonBlock, query, Float<L>(within), out);
-      },
-      [&](const std::uint32_t* found, int length)
-          SHEAF_LAMBDA_INLINE { visit_groups<L>(map, query, within, sum, level - 1, found, length, f); });
+/// Prefetches what a search reads of a group of blocks.
+SHEAF_INLINE void prefetch_group(const PhotonBlockGroup& group) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(&group);
+  for (std::size_t line = 0; line < sizeof group; line += 64) prefetch(bytes + line);
 }
 
 }  // namespace photon_search
 
 /// Calls f(entries, count) for lists of the blocks that may hold photons within a distance of the vertex, in ascending
 /// order. `within`: squared distance, m^2; f may shrink it. `sum`: null, or receives the photons of some blocks that
-/// lie inside, which f does not get. The map must not be empty.
+/// lie inside, which f does not get. `lists`: for the search itself. The map must not be empty.
 template <class L, class F>
 void for_blocks_near(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within, SummedPhotons<L>* sum,
-                     F&& f) {
-  const std::uint32_t root = 0;
-  photon_search::visit_groups<L>(map, query, within, sum, map.levels - 1, &root, 1, f);
+                     PhotonSearchLists& lists, F&& f) {
+  const auto groups = photon_search::near_block_groups<L>(map, query, Float<L>(within), lists);
+  const auto prefetch_ahead = [&](std::size_t i) {
+    if (i < groups.size()) photon_search::prefetch_group(map.block_groups[groups[i]]);
+  };
+  for (std::size_t i = 0; i < photon_search::kGroupsAhead; ++i) prefetch_ahead(i);
+  std::uint32_t found[photon_search::kListed + kPhotonBlock];
+  int length = 0;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    prefetch_ahead(i + photon_search::kGroupsAhead);
+    length += photon_search::append_near_blocks<L>(map, groups[i], query, Float<L>(within), sum, found + length);
+    if (length == 0 || (i + 1 < groups.size() && length <= photon_search::kListed)) continue;
+    f(static_cast<const std::uint32_t*>(found), length);
+    length = 0;
+  }
 }
 
 /// Photons [at, at + L::width) of a block that match the vertex, with their squared distances, m^2.

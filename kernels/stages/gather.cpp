@@ -159,9 +159,10 @@ SHEAF_INLINE void prefetch_block(const PhotonMapView& map, std::uint32_t entry) 
 /// distance, m^2; f may shrink it. `sum`: see for_blocks_near().
 template <class L, class T, class F>
 SHEAF_INLINE void for_photons_near(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within,
-                                   bool needs_distances, SummedPhotons<L>* sum, T& total, F&& f) {
-  constexpr int kAhead = 4;
-  for_blocks_near<L>(map, query, within, sum, [&](const std::uint32_t* entries, int count) SHEAF_LAMBDA_INLINE {
+                                   bool needs_distances, SummedPhotons<L>* sum, PhotonSearchLists& lists, T& total,
+                                   F&& f) {
+  constexpr int kAhead = 16;
+  for_blocks_near<L>(map, query, within, sum, lists, [&](const std::uint32_t* entries, int count) SHEAF_LAMBDA_INLINE {
     for (int i = 0; i < std::min(count, kAhead); ++i) prefetch_block(map, entries[i]);
     T of_list = total;  // a copy that stays in registers
     for (int i = 0; i < count; ++i) {
@@ -238,14 +239,14 @@ float NearestPhotons::last() const {
 /// Nonparametric Estimate of a Multivariate Density Function", 1965). `guess`: positive; the search begins with it, but
 /// the result does not depend on it. Receives a guess for a vertex nearby.
 template <class L>
-float squared_lookup_radius(const PhotonMapView& map, const PhotonQuery<L>& query, NearestPhotons& nearest,
-                            float& guess) {
+float squared_lookup_radius(const PhotonMapView& map, const PhotonQuery<L>& query, PhotonSearchLists& lists,
+                            NearestPhotons& nearest, float& guess) {
   const float largest = map.radius * map.radius;
   if (map.lookup_size == 0) return largest;
   for (float limit = std::min(guess, largest);; limit = std::min(4 * limit, largest)) {
     nearest.begin(limit);
     NearestPhotons* all = &nearest;
-    for_photons_near<L>(map, query, nearest.limit(), true, nullptr, all,
+    for_photons_near<L>(map, query, nearest.limit(), true, nullptr, lists, all,
                         [](NearestPhotons* found, const NearBlock<L>&, std::uint32_t, const NearPhotons<L>& near)
                             SHEAF_LAMBDA_INLINE { found->add<L>(near.squared, near.lanes); });
     const bool is_complete = nearest.is_complete();
@@ -275,13 +276,13 @@ template <class L> struct LookupTotal {
 
 template <class L, template <class> class Bsdf>
 Spectrum4 gather_at(const PhotonMapView& map, const GatheringVertex<L, Bsdf>& vertex, float within,
-                    LookupCounts& counts) {
+                    PhotonSearchLists& lists, LookupCounts& counts) {
   if (!(within > 0.0f)) return {};
   const bool needs_distances = map.kernel != PhotonKernel::kDisc;
   LookupTotal<L> total;
   if (vertex.reflects_evenly()) {
     SummedPhotons<L> summed{Spectrum<L>(Float<L>(0.0f))};
-    for_photons_near<L>(map, vertex.query, within, needs_distances, needs_distances ? nullptr : &summed, total,
+    for_photons_near<L>(map, vertex.query, within, needs_distances, needs_distances ? nullptr : &summed, lists, total,
                         [&](LookupTotal<L>& sum, const NearBlock<L>& block, std::uint32_t at,
                             const NearPhotons<L>& near) SHEAF_LAMBDA_INLINE {
                           sum.count(near);
@@ -290,7 +291,7 @@ Spectrum4 gather_at(const PhotonMapView& map, const GatheringVertex<L, Bsdf>& ve
     total.light = (total.light + summed.power) * vertex.reflected_evenly();
     counts.summed += summed.photons;
   } else {
-    for_photons_near<L>(map, vertex.query, within, needs_distances, nullptr, total,
+    for_photons_near<L>(map, vertex.query, within, needs_distances, nullptr, lists, total,
                         [&](LookupTotal<L>& sum, const NearBlock<L>& block, std::uint32_t at,
                             const NearPhotons<L>& near) SHEAF_LAMBDA_INLINE {
                           sum.count(near);
@@ -306,7 +307,8 @@ Spectrum4 gather_at(const PhotonMapView& map, const GatheringVertex<L, Bsdf>& ve
 }
 
 template <class L, template <class> class Bsdf>
-void gather_run(const StageContext& context, Wave& wave, const VertexRun& run, LookupCounts& counts) {
+void gather_run(const StageContext& context, Wave& wave, const VertexRun& run, PhotonSearchLists& lists,
+                LookupCounts& counts) {
   const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
   float guesses[2] = {kInfinity, kInfinity};
   for (int i = 0; i < run.count; ++i) {
@@ -317,8 +319,8 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run, L
       const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, run.column_begin + i, mapped);
       float& guess = map == &context.photon_maps().caustic ? guesses[1] : guesses[0];
       NearestPhotons nearest(map->lookup_size);
-      const float within = squared_lookup_radius<L>(*map, vertex.query, nearest, guess);
-      const Spectrum4 found = gather_at<L, Bsdf>(*map, vertex, within, counts);
+      const float within = squared_lookup_radius<L>(*map, vertex.query, lists, nearest, guess);
+      const Spectrum4 found = gather_at<L, Bsdf>(*map, vertex, within, lists, counts);
       ++wave.stats.gathering.queries;
       const float divisor = context.scene.needs_transmittance
                                 ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
@@ -332,11 +334,12 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run, L
 
 template <class L> void gather(const StageContext& context, Wave& wave) noexcept {
   StageTimer timer(wave.stats, stage_named<L>("gather"));
+  PhotonSearchLists lists;
   LookupCounts counts;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];
-      gather_run<L, Bsdf>(context, wave, run, counts);
+      gather_run<L, Bsdf>(context, wave, run, lists, counts);
       timer.count_lanes(run.count, 0, 0);
     }
   });

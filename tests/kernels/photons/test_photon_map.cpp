@@ -65,7 +65,8 @@ void search(const PhotonMapView& map, Vec3f p, Vec3f normal, std::uint32_t edges
   const PhotonQuery<L> query{broadcast<L>(p), broadcast<L>(normal), Uint<L>(edges)};
   const float within = map.radius * map.radius;
   std::uint32_t next = 0;
-  for_blocks_near<L>(map, query, within, sum, [&](const std::uint32_t* entries, int count) {
+  PhotonSearchLists lists;
+  for_blocks_near<L>(map, query, within, sum, lists, [&](const std::uint32_t* entries, int count) {
     for (int i = 0; i < count; ++i) {
       const NearBlock<L> block(map, entries[i]);
       CHECK(block.index() >= next);  // ascending, each once
