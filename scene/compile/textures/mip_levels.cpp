@@ -145,6 +145,7 @@ void fill_row(const Texels<kFormat>& from, const Texels<kFormat>& to, const std:
     auto* out = to.at(row, x);
     const float threshold = threshold_at(x, y);
     for (int c = 0; c < T::kChannels; ++c) out[c] = encode<kFormat>(sum[c], threshold);
+    for (int c = T::kChannels; c < T::kStored; ++c) out[c] = 0;
   }
 }
 
