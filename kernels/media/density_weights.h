@@ -86,6 +86,24 @@ class DensityQueue {
                                                    MediumNumbers<Scalar>::key(sampler_.seed, use_)};
   }
 
+  /// Tracks all rays as shadow rays and sets end(). `delta`: by delta tracking.
+  template <class L> void track_shadows(bool delta) {
+    if (delta)
+      track<L, DensityTracking::kScattering>();
+    else
+      track<L, DensityTracking::kTransmittance>();
+  }
+  /// Weights of shadow ray `i` after track_shadows(); nothing if no light is left.
+  std::optional<PathWeights> passed(int i, bool delta, TrackingCounts& counts) const {
+    const auto outcome = static_cast<DensityOutcome>(end(i).outcome);
+    counts.shadow += end(i).nulls + (outcome == DensityOutcome::kScattered ? 1u : 0u);
+    if (outcome == DensityOutcome::kAbandoned) ++counts.abandoned;
+    if (outcome != DensityOutcome::kPassed) return std::nullopt;
+    PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
+    weigh_transmittance(ray(i), end(i), delta, weights);
+    return weights;
+  }
+
   /// Tracks all rays and sets end().
   template <class L, DensityTracking kPurpose> void track() {
     std::array<bool, kCapacity> is_tracked{};

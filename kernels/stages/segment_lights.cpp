@@ -61,7 +61,7 @@ template <class L> struct SegmentPoint {
   typename L::Float density;  ///< 1 in homogeneous media
 };
 
-/// At the distance `t` of a segment, whose rays start at `start`.
+/// At the points `p`, which are `t` meters along their segments.
 template <class L>
 SHEAF_INLINE SegmentPoint<L> segment_point(const SceneView& scene, const MediumRow& medium, const Spectrum<L>& sigma_t,
                                            typename L::Float t, Vec3<L> p, Mask<L> lanes) {
@@ -180,7 +180,7 @@ template <class L> void segment_lights(const StageContext& context, Wave& wave) 
       has_grid |= connect_rays<L, kMode>(context, wave, wave.medium.data() + i, count);
     });
   });
-  if (has_grid) SegmentTracking<L>(context, wave, first, kSegmentDimension).run();
+  if (has_grid) SegmentTracking<L>(context, wave, first).run();
 }
 
 SHEAF_INSTANTIATE_STAGE(segment_lights);

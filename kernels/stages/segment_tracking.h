@@ -4,6 +4,7 @@
 
 #include "kernels/media/density_weights.h"
 #include "kernels/stages/medium_ray.h"
+#include "kernels/stages/push_shadow_ray.h"
 #include "kernels/wave/path_time.h"
 
 #include <array>
@@ -14,14 +15,9 @@ namespace sheaf {
 /// removes those of which nothing is left.
 template <class L> class SegmentTracking {
  public:
-  /// `first`: the first of these rows. `dimension`: added to the dimensions of paths; see
-  /// kernels/media/medium_random.h.
-  SegmentTracking(const StageContext& context, Wave& wave, int first, std::uint32_t dimension)
-      : context_(context),
-        wave_(wave),
-        kept_(first),
-        dimension_(dimension),
-        queue_(context.sampler, MediumStream::kSegment) {}
+  /// `first`: the first of these rows.
+  SegmentTracking(const StageContext& context, Wave& wave, int first)
+      : context_(context), wave_(wave), kept_(first), queue_(context.sampler, MediumStream::kSegment) {}
 
   void run() {
     for (int i = kept_; i < wave_.shadow_count; ++i) {
@@ -36,7 +32,7 @@ template <class L> class SegmentTracking {
       rows_[static_cast<std::size_t>(count_++)] = {i, queued ? queue_.size() : kNotQueued};
       if (queued) {
         const PathState<Scalar> path = wave_.paths.get(slot);
-        queue_.add(segment, path.pixel, path.sample, path.dimension() | dimension_);
+        queue_.add(segment, path.pixel, path.sample, path.dimension() | kSegmentDimension);
       }
       if (count_ == DensityQueue::kCapacity) finish();
     }
@@ -53,18 +49,16 @@ template <class L> class SegmentTracking {
   /// Tracks the queued segments and moves the rows that are left to the front.
   void finish() {
     const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
-    if (delta)
-      queue_.track<L, DensityTracking::kScattering>();
-    else
-      queue_.track<L, DensityTracking::kTransmittance>();
+    queue_.track_shadows<L>(delta);
     for (int i = 0; i < count_; ++i) {
       const Row row = rows_[static_cast<std::size_t>(i)];
       ShadowItem<Scalar> shadow = wave_.shadows.load<Scalar>(row.shadow);
       const TransmittanceItem<Scalar> state = wave_.transmittances.load<Scalar>(row.shadow);
       if (row.queue_index != kNotQueued) {
-        const float passed = transmittance_of(row.queue_index, delta);
-        if (!(passed > 0.0f)) continue;
-        shadow.contribution = shadow.contribution * passed;
+        const auto passed = queue_.passed(row.queue_index, delta, wave_.stats.collisions);
+        // The medium is gray
+        if (!passed || !(passed->beta[0] > 0.0f)) continue;
+        shadow.contribution = shadow.contribution * passed->beta[0];
       }
       wave_.shadows.store<Scalar>(kept_, shadow);
       wave_.transmittances.store<Scalar>(kept_++, state);
@@ -73,23 +67,9 @@ template <class L> class SegmentTracking {
     queue_.clear();
   }
 
-  /// Estimate of the transmittance of a gray medium.
-  float transmittance_of(int queue_index, bool delta) {
-    const TrackResult<Scalar>& end = queue_.end(queue_index);
-    const auto outcome = static_cast<DensityOutcome>(end.outcome);
-    TrackingCounts& counts = wave_.stats.collisions;
-    counts.shadow += end.nulls + (outcome == DensityOutcome::kScattered ? 1u : 0u);
-    if (outcome == DensityOutcome::kAbandoned) ++counts.abandoned;
-    if (outcome != DensityOutcome::kPassed) return 0.0f;
-    PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
-    weigh_transmittance(queue_.ray(queue_index), end, delta, weights);
-    return weights.beta[0];
-  }
-
   const StageContext& context_;
   Wave& wave_;
   int kept_, count_ = 0;
-  std::uint32_t dimension_;
   DensityQueue queue_;
   std::array<Row, DensityQueue::kCapacity> rows_;
 };

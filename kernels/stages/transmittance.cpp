@@ -199,10 +199,7 @@ template <class L> class SurfaceCrossing {
   /// needed.
   void finish() {
     const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
-    if (delta)
-      queue_.track<L, DensityTracking::kScattering>();
-    else
-      queue_.track<L, DensityTracking::kTransmittance>();
+    queue_.track_shadows<L>(delta);
     for (int i = 0; i < segment_count_; ++i) {
       const QueuedSegment& segment = segments_[static_cast<std::size_t>(i)];
       ShadowRay ray = load_ray(wave_, segment.ray);
@@ -230,15 +227,9 @@ template <class L> class SurfaceCrossing {
 
   /// Attenuates the light by a segment of the queue. Returns false if nothing is left.
   bool pass_densities(int queue_index, bool delta, ShadowRay& ray) {
-    const TrackResult<Scalar>& end = queue_.end(queue_index);
-    const auto outcome = static_cast<DensityOutcome>(end.outcome);
-    TrackingCounts& counts = wave_.stats.collisions;
-    counts.shadow += end.nulls + (outcome == DensityOutcome::kScattered ? 1u : 0u);
-    if (outcome == DensityOutcome::kAbandoned) ++counts.abandoned;
-    if (outcome != DensityOutcome::kPassed) return false;
-    PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
-    weigh_transmittance(queue_.ray(queue_index), end, delta, weights);
-    apply(weights, ray);
+    std::optional<PathWeights> weights = queue_.passed(queue_index, delta, wave_.stats.collisions);
+    if (!weights) return false;
+    apply(*weights, ray);
     return max_component(Float4(ray.item.contribution)) > 0.0f;
   }
 
