@@ -133,7 +133,8 @@ endfunction()
 
 # sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): runs each of the benchmarks, scripts or scenes (the examples) once
 # with the shortest settings; `generate`, which writes the files of scenes, must be among the kinds. It is left out if
-# SHEAF_GENERATED_SCENES names a folder that it wrote in another build. OPTIONS: passed to tests/smoke/smoke.py. That script finds what to run, and fails for scripts and programs without a known command line.
+# SHEAF_GENERATED_SCENES names a folder that it wrote in another build. OPTIONS: passed to tests/smoke/smoke.py. That
+# script finds what to run, and fails for scripts and programs without a known command line.
 function(sheaf_smoke_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "OPTIONS")
   sheaf_find_python("benchmarks, scripts and example scenes are not tested")

@@ -14,15 +14,17 @@
 
 namespace sheaf {
 
+/// The largest component of r_u, over which paths are rescaled.
+inline constexpr float kLargestPdf = 1e6f;
+
 /// Throughput and RescaledPdfs of a path, in registers.
 struct PathWeights {
   Float4 beta, r_u, r_l;
 
   /// Divides by a common factor, which cancels in the estimate, before lanes of very different magnitude overflow.
   void rescale() {
-    constexpr float kLarge = 1e6f;
     const float largest = max_component(r_u);
-    if (!(largest > kLarge)) return;
+    if (!(largest > kLargestPdf)) return;
     const float factor = 1.0f / largest;
     beta = beta * factor;
     r_u = r_u * factor;

@@ -2,8 +2,9 @@
 // media along the ray. A path that scatters becomes a vertex whose closure is the phase function, and passes the same
 // stages as surfaces. Photons store their beams here.
 //
-// Paths diverge here, so each is processed individually, with its four spectral lanes in one register
-// (kernels/media/medium_tracking.h).
+// Paths in homogeneous media are processed a tile at a time (kernels/stages/uniform_paths.h). The others diverge, so
+// each is processed individually, with its four spectral lanes in one register (kernels/media/medium_tracking.h), and
+// those in media with one grid are tracked several at a time.
 #include "core/soa/lane_array.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
@@ -16,6 +17,7 @@
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/segment_mis.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/stages/uniform_paths.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
@@ -184,13 +186,10 @@ void store_segment(const SceneView& scene, Wave& wave, const MediumPath& path, c
   const Float4 sigma_t = homogeneous ? medium_coefficients(ray.medium, ray.spectra).sigma_t : Float4();
   const auto part =
       connected_part<Scalar>(scene, ray.medium, ray.origin, ray.direction, ray.length, to_spectrum(sigma_t));
-  out.origin = ray.at(part.start), out.length = part.length;
-  const float along = t - part.start;
-  if (!(along < out.length)) return;
   const float sigma = homogeneous ? sigma_t[ray.hero] : ray.coefficients(ray.at(t)).sigma_t[ray.hero];
-  const float passed = std::exp(-along * (homogeneous ? sigma : ray.medium.mean_extinction));
-  const float pdf = sigma * passed * lane_mean(scene, after);
-  if (pdf > 0.0f) out.pdf_ratio = lane_mean<Scalar>(scene.color, before) / pdf;
+  out = scattered_segment<Scalar>(part, ray.origin, ray.direction, t, sigma,
+                                  homogeneous ? sigma : ray.medium.mean_extinction,
+                                  lane_mean<Scalar>(scene.color, before), lane_mean(scene, after));
 }
 
 /// Stores the flight of a photon along `length` meters of the ray as a beam. `r_u`: at its start.
@@ -310,15 +309,16 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
   const int paths = wave.medium.size();
   if (paths == 0) return;
   StageTimer timer(wave.stats, stage_named<L>("medium"));
-  timer.count(paths, 1);
+  timer.count(paths, L::width);
   wave.medium.pad();
   TrackingCounts counts;
   DensityPaths by_density(context, wave, counts);
   for_tiles<L>(paths, [&](int i, int count) {
     const Slot* slots = wave.medium.data() + i;
+    const std::uint32_t together = track_uniform_tile<L>(context, wave, slots, count, counts);
     LaneArray<Float<L>> u;
     bool is_drawn = false;
-    for (int lane = 0; lane < count; ++lane) {
+    for_each_lane(mask_bits(L::first(count)) & ~together, [&](int lane) {
       MediumPath path = load_path(context.scene, wave, slots[lane]);
       const MediumRay ray = ray_of(context, wave, path);
       if (is_tracked_by_density(ray, context.integrator.medium_estimator) && !ray.has(kMediumEmits)) {
@@ -334,7 +334,7 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
         }
         medium_path(context, wave, path, ray, u[lane], counts);
       }
-    }
+    });
   });
   by_density.finish<L>();
   wave.stats.collisions += counts;

@@ -31,23 +31,6 @@ template <class L> struct SegmentTile {
   Spectrum<L> lambda;  ///< wavelengths; empty in RGB mode
 };
 
-/// Coefficients of a medium where its density is 1, 1/m.
-template <class L> struct Coefficients { Spectrum<L> sigma_s, sigma_t; };
-
-template <class L, ColorMode kMode>
-SHEAF_INLINE Coefficients<L> coefficients(const SceneView& scene, std::uint32_t row, const Spectrum<L>& lambda) {
-  const MediumRow& medium = scene.media.rows[row];
-  const auto spectrum = [&](std::uint32_t k, const float(&rgb)[4]) SHEAF_LAMBDA_INLINE {
-    using F = Float<L>;
-    if constexpr (kMode == ColorMode::kRgb) return Spectrum<L>{F(rgb[0]), F(rgb[1]), F(rgb[2]), F(rgb[3])};
-    return evaluate<L>(scene.spectral.media, Uint<L>(row * std::uint32_t{kMediumSpectra} + k), scene.spectral.tables,
-                       lambda);
-  };
-  const Spectrum<L> first = spectrum(0, medium.first), second = spectrum(1, medium.second);
-  if ((medium.flags & kMediumAbsorptionScattering) != 0) return {second, first + second};
-  return {first * second, first};
-}
-
 /// Distances at which the rays of a tile end.
 template <class L> SHEAF_INLINE Float<L> ends_of(const SceneView& scene, const Wave& wave, const SegmentTile<L>& tile) {
   const HitState<L> hit = wave.hits.gather<L>(tile.slots);
@@ -61,13 +44,13 @@ template <class L> struct SegmentPoint {
   typename L::Float density;  ///< 1 in homogeneous media
 };
 
-/// At the points `p`, which are `t` meters along their segments.
+/// At the points `p`, which are `t` meters along their segments. `uniform`: the medium at density 1.
 template <class L>
-SHEAF_INLINE SegmentPoint<L> segment_point(const SceneView& scene, const MediumRow& medium, const Spectrum<L>& sigma_t,
-                                           typename L::Float t, Vec3<L> p, Mask<L> lanes) {
+SHEAF_INLINE SegmentPoint<L> segment_point(const SceneView& scene, const MediumRow& medium,
+                                           const UniformMedium<L>& uniform, typename L::Float t, Vec3<L> p,
+                                           Mask<L> lanes) {
   using F = Float<L>;
-  if ((medium.flags & kMediumHomogeneous) != 0)
-    return {map_spectrum<L>(sigma_t, [t](F sigma) { return exp(sigma * -t); }), F(1.0f)};
+  if ((medium.flags & kMediumHomogeneous) != 0) return {uniform.transmittance(t), F(1.0f)};
   const BrickGridRow& grid = scene.media.grids.rows[medium.density != kNone ? medium.density : medium.first_grid];
   const Vec3<L> at = to_grid<L>(grid, select<L>(lanes, p, Vec3<L>{}));
   return {Spectrum<L>(exp(F(medium.mean_extinction) * -t)), max(lookup_density<L>(grid, at), F(0.0f))};
@@ -81,9 +64,9 @@ void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>&
   const SceneView& scene = context.scene;
   const MediumRow& medium = scene.media.rows[row];
   const RayState<L>& ray = tile.ray;
-  const Coefficients<L> c = coefficients<L, kMode>(scene, row, tile.lambda);
+  const UniformMedium<L> uniform = make_uniform_medium<L>(context, row, ray.flags, tile.lambda);
   const ConnectedPart<L> part =
-      connected_part<L>(scene, medium, ray.origin, ray.direction, ends_of<L>(scene, wave, tile), c.sigma_t);
+      connected_part<L>(scene, medium, ray.origin, ray.direction, ends_of<L>(scene, wave, tile), uniform.sigma_t);
   auto lanes = tile.lanes & (part.length > F(0.0f));
   if (!any(lanes)) return;
   const Vec3<L> origin = ray.origin + ray.direction * part.start;
@@ -106,8 +89,8 @@ void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>&
   // Weight the sample against sampling of distances
   const F point_pdf = choice_probability<L>(scene, at, chosen.light);
   const Spectrum<L> r_u = wave.rescaled_pdfs.gather<L>(tile.slots).r_u;
-  const SegmentPoint<L> point = segment_point<L>(scene, medium, c.sigma_t, t, at.p, lanes);
-  const Spectrum<L> scattered = r_u * scattering_pdf<L>(context, c.sigma_t, ray.flags).at(point.passed) * point.density;
+  const SegmentPoint<L> point = segment_point<L>(scene, medium, uniform, t, at.p, lanes);
+  const Spectrum<L> scattered = r_u * uniform.pdf_ratio(uniform.sigma_t * point.passed) * point.density;
   const F pdf_ratio = lane_mean<L>(scene.color, r_u) / max(lane_mean<L>(scene.color, scattered), F(1e-37f));
   const F rho = min(pdf * pdf_ratio / max(point_pdf, F(1e-30f)), F(1e15f)), scale = sqrt(fma(rho, rho, F(1.0f)));
   const F weight = sqr(rho / scale);
@@ -117,7 +100,7 @@ void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>&
   const Frame<L> frame = Frame<L>::from_normal(-ray.direction);
   const F phase = phase_value<L>(scene, medium.phase, frame.to_local(light.direction));
   const F factor = select(lanes, weight * phase * point.density / (kept * pdf * light.pdf_solid_angle), F(0.0f));
-  Spectrum<L> contribution = tile.path.beta * c.sigma_s * light.radiance * factor;
+  Spectrum<L> contribution = tile.path.beta * uniform.sigma_s * light.radiance * factor;
   if ((medium.flags & kMediumHomogeneous) != 0) contribution = contribution * point.passed;
   // Push the shadow rays
   const auto only_light = light.delta | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
@@ -144,24 +127,19 @@ void connect_tile(const StageContext& context, Wave& wave, const SegmentTile<L>&
 template <class L, ColorMode kMode>
 bool connect_rays(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using U = Uint<L>;
-  const SceneView& scene = context.scene;
   SegmentTile<L> tile{slots, Mask<L>(false), wave.rays.gather<L>(slots), wave.paths.gather<L>(slots),
                       shading_wavelengths<L, kMode>(wave, slots)};
   const U row = (tile.ray.flags >> kRayMediumShift) - U(1u);
-  const LaneArray<U> rows(row);
   const auto scatters =
       ((tile.ray.flags & U(kRayLast)) == U(0u)) & (tile.path.depth() < U(kConnectedDepth)) & L::first(count);
-  std::uint32_t left = mask_bits(scatters);
   bool has_grid = false;
-  while (left != 0) {
-    const std::uint32_t medium = rows[std::countr_zero(left)];
-    tile.lanes = (row == U(medium)) & scatters;
-    left &= ~mask_bits(tile.lanes);
-    const MediumRow& of = scene.media.rows[medium];
-    if (!sheaf::connects_segments(of)) continue;
+  for_each_medium<L>(row, scatters, [&](std::uint32_t medium, Mask<L> lanes) {
+    const MediumRow& of = context.scene.media.rows[medium];
+    if (!sheaf::connects_segments(of)) return;
+    tile.lanes = lanes;
     connect_tile<L, kMode>(context, wave, tile, medium);
     has_grid = has_grid || (of.flags & kMediumHomogeneous) == 0;
-  }
+  });
   return has_grid;
 }
 

@@ -44,36 +44,17 @@ SHEAF_INLINE ConnectedPart<L> connected_part(const SceneView& scene, const Mediu
   return {select(hits, box.t, F(0.0f)), select(hits, within, F(0.0f))};
 }
 
-/// Pdfs of scattering at a distance in a homogeneous medium, by which lane of the path samples it.
-template <class L> struct ScatteringPdf {
-  Spectrum<L> sigma_t;    ///< 1/m
-  typename L::Uint hero;  ///< the lane by which distances are sampled
-  bool weighted;          ///< the other lanes have their own pdfs; see MediumRay
-
-  /// Pdf per lane of a distance with transmittance `passed`, 1/m.
-  SHEAF_INLINE Spectrum<L> at(const Spectrum<L>& passed) const {
-    using U = Uint<L>;
-    const Spectrum<L> pdf = sigma_t * passed;
-    if (weighted) return pdf;
-    return Spectrum<L>(
-        select(hero < U(2u), select(hero == U(0u), pdf.c0, pdf.c1), select(hero == U(2u), pdf.c2, pdf.c3)));
-  }
-};
-
-/// For rays with RayState::flags `flags` in a homogeneous medium.
+/// The segment on which paths scatter `t` meters along their rays. `sigma`: extinction of the hero lane there, 1/m.
+/// `extinction`: the extinction up to there, 1/m, of a grid its mean. `before` and `after`: means of r_u before and
+/// after the distance was sampled.
 template <class L>
-SHEAF_INLINE ScatteringPdf<L> scattering_pdf(const StageContext& context, const Spectrum<L>& sigma_t,
-                                             typename L::Uint flags) {
-  using U = Uint<L>;
-  const MediumEstimator estimator = context.integrator.medium_estimator;
-  const bool by_largest = estimator == MediumEstimator::kDelta || estimator == MediumEstimator::kRatio;
-  U hero = (flags & U(kRayHeroMask)) >> kRayHeroShift;
-  if (by_largest) {
-    const Float<L> largest = max_component(sigma_t);
-    hero = select(sigma_t.c0 == largest, U(0u),
-                  select(sigma_t.c1 == largest, U(1u), select(sigma_t.c2 == largest, U(2u), U(3u))));
-  }
-  return {sigma_t, hero, !by_largest};
+SHEAF_INLINE SegmentState<L> scattered_segment(const ConnectedPart<L>& part, const Vec3<L>& origin,
+                                               const Vec3<L>& direction, Float<L> t, Float<L> sigma,
+                                               Float<L> extinction, Float<L> before, Float<L> after) {
+  using F = Float<L>;
+  const F along = t - part.start, pdf = sigma * exp(extinction * -along) * after;
+  const auto connected = (along < part.length) & (pdf > F(0.0f));
+  return {origin + direction * part.start, part.length, direction, select(connected, before / pdf, F(0.0f))};
 }
 
 /// sqrt(1 + rho^2) for light sampling from `p`, the last vertices of paths, in lanes whose vertices lie on connected

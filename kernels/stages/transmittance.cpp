@@ -16,6 +16,7 @@
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
+#include "kernels/stages/uniform_shadows.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
@@ -139,30 +140,43 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   return true;
 }
 
-/// Adds the contribution of a ray that has reached its end to its path, times w_l / P_l.
-void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ray) {
+/// Adds `found`, the weighted contribution of a ray that has reached its end, to the path in `slot`.
+SHEAF_INLINE void add_found(const StageContext& context, Wave& wave, Slot slot, std::uint32_t light,
+                            std::uint32_t flags, Float4 found, LightCounter& tally) {
+  tally.arrive(light, to_spectrum(found));
+  if (context.compares_candidates()) [[unlikely]] {
+    const bool is_common = (flags & kShadowFromSegment) != 0;
+    (is_common ? add_common_moments : add_unoccluded_moments)(wave, slot, total(found));
+  }
+  add_radiance(wave, slot, found, light, 1);
+}
+
+/// Contributions of rays that have reached their ends, times w_l / P_l. `r_u`: with the pdf of a collision at the end,
+/// if the target is a point in a medium.
+template <class L>
+SHEAF_INLINE Spectrum<L> weigh_found(const SceneView& scene, const Spectrum<L>& contribution, const Spectrum<L>& r_u,
+                                     const Spectrum<L>& r_l, Float<L> pdf_ratio) {
+  const Float<L> by_light = lane_mean<L>(scene.color, r_l), by_path = lane_mean<L>(scene.color, r_u) * pdf_ratio;
+  return contribution * (power_heuristic(by_light, by_path) / by_light);
+}
+
+/// Adds the contribution of a ray that has reached its end to its path.
+void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ray, LightCounter& tally) {
   if ((ray.state.flags & kShadowFromHiddenLight) != 0) return;
+  const auto slot = static_cast<Slot>(ray.item.slot);
   Float4 r_u(ray.state.r_u);
   const std::uint32_t end = ray.state.target_medium;
   if (end != kNone) {
     // For a point in a medium, BSDF sampling must produce a collision there.
     if (ray.state.flags >> kRayMediumShift != end) return;
-    const auto slot = static_cast<Slot>(ray.item.slot);
     const Vec3f p = ray.item.origin + ray.item.direction;
     const MediumRay at = make_medium_ray(context, ray.state.flags, lane_wavelengths(context.scene, wave, slot), p,
                                          {0, 0, 1}, 0.0f, path_time(context.scene, wave, slot));
     r_u = r_u * collision_density(at, at.origin);
   }
-  // Weight by MIS
-  const float by_light = lane_mean(context.scene, Float4(ray.state.r_l)),
-              by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
-  const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
-  LightCounter(wave.stats).arrive(ray.item.light, to_spectrum(found));
-  if (context.compares_candidates()) {
-    const bool is_common = (ray.state.flags & kShadowFromSegment) != 0;
-    (is_common ? add_common_moments : add_unoccluded_moments)(wave, static_cast<Slot>(ray.item.slot), total(found));
-  }
-  add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light, 1);
+  const Spectrum4 found =
+      weigh_found<Scalar>(context.scene, ray.item.contribution, to_spectrum(r_u), ray.state.r_l, ray.state.pdf_ratio);
+  add_found(context, wave, slot, ray.item.light, ray.state.flags, Float4(found), tally);
 }
 
 /// Moves each ray to the next surface, or to its end. Rays that continue are compacted to the front of the columns.
@@ -170,29 +184,36 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
 template <class L> class SurfaceCrossing {
  public:
   SurfaceCrossing(const StageContext& context, Wave& wave, int round)
-      : context_(context), wave_(wave), round_(round), queue_(context.sampler, MediumStream::kShadow) {}
+      : context_(context),
+        wave_(wave),
+        round_(round),
+        queue_(context.sampler, MediumStream::kShadow),
+        tally_(wave.stats) {}
 
-  /// Moves ray `i`, which was traced in lane `at` of the packet.
-  void follow(const RayPacket& packet, int at, int i) {
-    ShadowRay ray = load_ray(wave_, i);
-    const bool to_end = packet.shape[at] == kNone;
-    ShadowRay behind = ray;
-    // The surface is cheaper to evaluate than the medium, so it comes first.
-    if (!to_end && !pass_surface(context_, wave_, packet, at, behind)) return;
-    // Queue the segment for SIMD tracking, or attenuate the light by it now
-    const auto segment = segment_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
-    int queue_index = kNotQueued;
-    if (segment && is_tracked_by_density(*segment, context_.integrator.medium_estimator)) {
-      queue_index = queue_.size();
-      const auto path = wave_.paths.get(static_cast<Slot>(ray.item.slot));
-      queue_.add(*segment, path.pixel, path.sample, dimension_of(path, ray, round_));
-    } else {
-      if (segment && !pass_medium(context_, wave_, *segment, to_end, round_, behind)) return;
-      if (to_end) return add_unoccluded(context_, wave_, behind);
+  /// Moves the first `count` rays of the tile that begins with ray `i` and was traced in lanes `at` and following of
+  /// the packet. Rays that end in vacuum or in homogeneous media, or at opaque surfaces, end together.
+  void follow_tile(const RayPacket& packet, int at, int i, int count) {
+    ShadowTile<L> tile = load_shadow_tile<L>(context_, wave_, packet, at, i);
+    const ShadowEvents events = move_uniform<L>(context_, wave_, packet, at, count, tile);
+    const LaneRows<L, Spectrum> found(
+        weigh_found<L>(context_.scene, tile.item.contribution, tile.state.r_u, tile.state.r_l, tile.state.pdf_ratio));
+    // Move rays that cross interfaces to the front, unless others come first
+    const bool at_once = events.others == 0 && segment_count_ == 0;
+    if (!at_once && events.crossing != 0) {
+      wave_.shadows.store<L>(i, tile.item);
+      wave_.transmittances.store<L>(i, tile.state);
     }
-    store_ray(wave_, i, behind);
-    segments_[static_cast<std::size_t>(segment_count_++)] = {i, queue_index, to_end};
-    if (segment_count_ == DensityQueue::kCapacity) finish();
+    // Radiance is added in the order of the rays, so that it does not depend on their positions in tiles.
+    for_each_lane(events.all() & ~(at_once ? events.crossing : 0u), [&](int lane) {
+      const std::uint32_t bit = 1u << lane;
+      if ((events.ended & bit) != 0) return end(i + lane, Float4(found[lane]));
+      if ((events.crossing & bit) != 0) return queue({i + lane, kNotQueued, false});
+      follow(packet, at + lane, i + lane);
+    });
+    if (!at_once) return;
+    const auto crossing = tile.interface & is_finite(tile.item.direction);
+    wave_.transmittances.compress<L>(active_count_, tile.state, crossing);
+    active_count_ += wave_.shadows.compress<L>(active_count_, tile.item, crossing);
   }
 
   /// Tracks the queued segments and continues their rays in order, so that no ray is stored over one that is still
@@ -205,7 +226,7 @@ template <class L> class SurfaceCrossing {
       ShadowRay ray = load_ray(wave_, segment.ray);
       if (segment.queue_index != kNotQueued && !pass_densities(segment.queue_index, delta, ray)) continue;
       if (segment.to_end)
-        add_unoccluded(context_, wave_, ray);
+        add_unoccluded(context_, wave_, ray, tally_);
       else if (is_finite(ray.item.direction))
         store_ray(wave_, active_count_++, ray);
     }
@@ -225,6 +246,41 @@ template <class L> class SurfaceCrossing {
     bool to_end;      ///< the last segment of its ray
   };
 
+  /// Adds the weighted contribution of ray `i`, which has reached its end.
+  void end(int i, Float4 found) {
+    const ShadowItem<Columns>& item = wave_.shadows.columns();
+    add_found(context_, wave_, static_cast<Slot>(item.slot[i]), item.light[i], wave_.transmittances.columns().flags[i],
+              found, tally_);
+  }
+
+  /// Queues a ray, which continues or ends when its segment is tracked.
+  void queue(const QueuedSegment& segment) {
+    segments_[static_cast<std::size_t>(segment_count_++)] = segment;
+    if (segment_count_ == DensityQueue::kCapacity) finish();
+  }
+
+  /// Moves ray `i`, which was traced in lane `at` of the packet.
+  void follow(const RayPacket& packet, int at, int i) {
+    ShadowRay ray = load_ray(wave_, i);
+    const bool to_end = packet.shape[at] == kNone;
+    ShadowRay behind = ray;
+    // The surface is cheaper to evaluate than the medium, so it comes first.
+    if (!to_end && !pass_surface(context_, wave_, packet, at, behind)) return;
+    // Queue the segment for SIMD tracking, or attenuate the light by it now
+    const auto segment = segment_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
+    int queue_index = kNotQueued;
+    if (segment && is_tracked_by_density(*segment, context_.integrator.medium_estimator)) {
+      queue_index = queue_.size();
+      const auto path = wave_.paths.get(static_cast<Slot>(ray.item.slot));
+      queue_.add(*segment, path.pixel, path.sample, dimension_of(path, ray, round_));
+    } else {
+      if (segment && !pass_medium(context_, wave_, *segment, to_end, round_, behind)) return;
+      if (to_end) return add_unoccluded(context_, wave_, behind, tally_);
+    }
+    store_ray(wave_, i, behind);
+    queue({i, queue_index, to_end});
+  }
+
   /// Attenuates the light by a segment of the queue. Returns false if nothing is left.
   bool pass_densities(int queue_index, bool delta, ShadowRay& ray) {
     std::optional<PathWeights> weights = queue_.passed(queue_index, delta, wave_.stats.collisions);
@@ -237,6 +293,7 @@ template <class L> class SurfaceCrossing {
   Wave& wave_;
   int round_, active_count_ = 0, segment_count_ = 0;
   DensityQueue queue_;
+  LightCounter tally_;
   std::array<QueuedSegment, DensityQueue::kCapacity> segments_;
 };
 
@@ -252,7 +309,7 @@ template <class L> int follow(const StageContext& context, Wave& wave, int rays,
         });
       },
       [&](int first, int count, const RayPacket& packet) {
-        for (int i = 0; i < count; ++i) all.follow(packet, i, first + i);
+        for_tiles<L>(count, [&](int at, int lanes) { all.follow_tile(packet, at, first + at, lanes); });
       });
   all.finish();
   return all.active_count();

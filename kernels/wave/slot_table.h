@@ -47,6 +47,20 @@ template <template <class> class Record> class SlotTable {
     }
   }
 
+  /// Stores the lanes set in `lanes`. All slots must be valid.
+  template <class L> SHEAF_INLINE void scatter_lanes(const Slot* slots, std::uint32_t lanes, const Record<L>& in) {
+    typename L::Float words[kWords];
+    words_of_record<L, Record>(in, words);
+    float discarded[kWords];
+    float* rows[L::width];
+    for (int lane = 0; lane < L::width; ++lane)
+      rows[lane] = (lanes >> lane & 1u) != 0 ? reinterpret_cast<float*>(rows_ + slots[lane]) : discarded;
+    for (int quad = 0; quad < kWords; quad += 4) {
+      store_rows4(rows, words + quad, L::width);
+      for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
+    }
+  }
+
   /// A reference to one row, for scalar code that reads or writes some of its members.
   SHEAF_INLINE Row& row(Slot slot) { return rows_[slot]; }
   SHEAF_INLINE const Row& row(Slot slot) const { return rows_[slot]; }

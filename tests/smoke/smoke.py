@@ -133,9 +133,9 @@ class Failures:
         print(f"FAILED {what}: {why}", flush=True)
 
 
-def run(command, folder):
-    """Returns whether a command succeeds, and its output on both streams."""
-    environment = dict(os.environ, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1")
+def run(command, folder, **variables):
+    """Returns whether a command succeeds, and its output on both streams. `variables`: of its environment."""
+    environment = dict(os.environ, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1", **variables)
     start = time.monotonic()
     done = subprocess.run([str(c) for c in command], cwd=folder, check=False, text=True, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
@@ -187,7 +187,9 @@ def check_origins(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Renders a few pixels in the middle of every scene with few photons, in both or alternating color modes."""
+    """Renders a few pixels in the middle of every scene with few photons, in both or alternating color modes. With
+    --dirty-memory it does so twice, the second time in memory that malloc fills with 0x55 instead of the system's
+    zeros, and compares the images."""
     skipped = skipped_makers(folder)
     sheaf, image, stats = arguments.build / "sheaf", folder / "image.exr", folder / "stats.json"
     scenes = sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)
@@ -207,8 +209,9 @@ def check_scenes(arguments, folder, failures):
         few = [f"-D{count}=1000" for count in ("photons", "caustic_photons", "volume_photons")
                if f'"${count}"' in scene.read_text()]
         for color in [("rgb", "spectral")[i % 2]] if arguments.one_color else ("rgb", "spectral"):
-            good, output = run([sheaf, "render", scene, "-o", image, "--spp", "1", "--color", color, "--crop",
-                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, *few], folder)
+            command = [sheaf, "render", scene, "-o", image, "--spp", "1", "--color", color, "--no-timestamps", "--crop",
+                       f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, *few]
+            good, output = run(command, folder)
             notes = [line for line in output.splitlines()[1:] if not line.startswith("sheaf: rendered ")]
             if not good:
                 failures.add(f"render {name} --color {color}", output)
@@ -216,6 +219,11 @@ def check_scenes(arguments, folder, failures):
                 failures.add(f"render {name} --color {color}", "prints notes:\n" + "\n".join(notes))
             elif any(json.loads(stats.read_text())["dropped"].values()):
                 failures.add(f"render {name} --color {color}", "samples were dropped:\n" + stats.read_text())
+            elif arguments.dirty_memory:
+                pixels = image.read_bytes()
+                good, output = run(command, folder, MALLOC_PERTURB_="170")
+                if not good or image.read_bytes() != pixels:
+                    failures.add(f"render {name} --color {color}", "depends on what memory held before:\n" + output)
     check_layers(sheaf, image, folder, failures)
 
 
@@ -344,6 +352,8 @@ def main():
                         help="folder with the copy of the tree that `generate` made (default: BUILD/smoke)")
     parser.add_argument("--one-color", action="store_true",
                         help="alternate between RGB and spectral mode instead of using both")
+    parser.add_argument("--dirty-memory", action="store_true",
+                        help="check that images don't depend on uninitialized memory; needs the malloc of glibc")
     parser.add_argument("--programs", nargs="*", default=[], help="programs of the build except tests")
     arguments = parser.parse_args()
     failures = Failures()
