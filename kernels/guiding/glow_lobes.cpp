@@ -7,25 +7,29 @@ namespace sheaf {
 
 namespace {
 
+template <class F> SHEAF_INLINE F eighth_root(F x) { return sqrt(sqrt(sqrt(x))); }
+template <class F> SHEAF_INLINE F eighth_power(F x) { return sqr(sqr(sqr(x))); }
+
 /// The lobe of a group of lights as seen from a point.
 template <class L> struct GlowLobe {
   Vec3<L> direction;               ///< to the center of the group, unit length
   typename L::Float weight;        ///< power over distance, times the transmittance
   typename L::Float unattenuated;  ///< power over distance
-  typename L::Float least, span;   ///< sqrt(c0), and sqrt(2 + c0) - sqrt(c0)
+  typename L::Float c0;            ///< see kernels/guiding/glow_lobes.h
+  typename L::Float least, span;   ///< eighth root of c0, and that of 2 + c0 less that
 
   SHEAF_INLINE Vec3<L> sample(typename L::Float u, typename L::Float v) const {
     using F = Float<L>;
     const F root = fma(u, span, least);
-    const F c = clamp(root * root - least * least, F(0.0f), F(2.0f));
+    const F c = clamp(eighth_power(root) - c0, F(0.0f), F(2.0f));
     const F sine = safe_sqrt(c * (F(2.0f) - c));
     const auto azimuth = sincos_2pi<L>(v);
     return Frame<L>::from_normal(direction).to_world({sine * azimuth.cos, sine * azimuth.sin, F(1.0f) - c});
   }
   SHEAF_INLINE typename L::Float pdf(Vec3<L> w) const {
     using F = Float<L>;
-    const F c = clamp(F(1.0f) - dot(direction, w), F(0.0f), F(2.0f));
-    return F(0.25f * kInvPi) / (span * sqrt(fma(least, least, c)));
+    const F x = clamp(F(1.0f) - dot(direction, w), F(0.0f), F(2.0f)) + c0;
+    return F(kInvPi / 16.0f) * eighth_root(x) / (span * x);
   }
 };
 
@@ -37,13 +41,14 @@ template <class L> SHEAF_INLINE GlowLobe<L> lobe_of(const GlowSource& group, Vec
   const F squared = max(dot(d, d), F(1e-30f)), inverse = F(1.0f) / sqrt(squared);
   const F size = min(F(group.radius) * inverse, F(1.0f));
   const F c0 = fma(F(0.5f) * size, size, F(kLeast));
-  const F least = sqrt(c0);
+  const F least = eighth_root(c0);
   const auto inside = squared <= F(1e-30f);
   const Vec3<L> direction = select<L>(inside, Vec3<L>{F(0.0f), F(0.0f), F(1.0f)}, d * inverse);
   const F distance = max(squared * inverse, F(group.radius));
   const F unattenuated = F(group.power) / distance;
-  return {direction, unattenuated * exp(max(extinction, F(0.0f)) * -distance), unattenuated, least,
-          sqrt(F(2.0f) + c0) - least};
+  return {direction,    unattenuated * exp(max(extinction, F(0.0f)) * -distance),
+          unattenuated, c0,
+          least,        eighth_root(F(2.0f) + c0) - least};
 }
 
 template <class L> struct LobeSums {
@@ -86,6 +91,7 @@ GuideSample<L> sample_glow(const LightTreeView& tree, Vec3<L> p, Float<L> extinc
     below = below + lobes[k - 1].weight;
     const auto beyond = target >= below;
     chosen.direction = select<L>(beyond, lobes[k].direction, chosen.direction);
+    chosen.c0 = select(beyond, lobes[k].c0, chosen.c0);
     chosen.least = select(beyond, lobes[k].least, chosen.least);
     chosen.span = select(beyond, lobes[k].span, chosen.span);
   }

@@ -1,7 +1,9 @@
 // Guiding towards the glow of lights in fog, without training. Light that fog scatters once towards a point is
 // brightest around lights: at the angle a from the direction to a point light at distance D, its radiance is
-// proportional to (pi - a) / (D sin a). One lobe for each group of lights has nearly this shape,
-//     pdf(a) = 1 / (4 pi (sqrt(2 + c0) - sqrt(c0)) sqrt(c + c0)),  c = 1 - cos a.
+// proportional to (pi - a) / (D sin a). Surfaces beside the light, such as its post or shade, are brighter still: the
+// irradiance is that of the inverse square of their distance to the light. Hence one lobe for each group of lights
+// is steeper than the glow alone,
+//     pdf(a) = (c + c0)^(-7/8) / (16 pi ((2 + c0)^(1/8) - c0^(1/8))),  c = 1 - cos a.
 // c0 widens the lobe to the size of the group.
 #pragma once
 
@@ -12,7 +14,7 @@ namespace sheaf {
 
 /// Probability of sampling the lobes instead of the BSDF if the fog does not attenuate the lights. Otherwise it is
 /// multiplied by their mean transmittance: thick fog hides its lights.
-inline constexpr float kGlowProbability = 0.3f;
+inline constexpr float kGlowProbability = 0.4f;
 
 /// As sample_guide(), at the points `p`. `extinction`: of the fog, 1/m; negative: no fog, the BSDF is sampled. The tree
 /// must have glow sources.
