@@ -68,6 +68,7 @@ SCRIPTS = {
     "bench/compare_roulette.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.03", "--seeds", "2", "--depths",
                                   "5", "2", "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
+    "bench/make_twins.py": ["--output", "{out}/twins", "--sheaf", "{build}/sheaf"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/color/fit_rgb_basis.py": ["--step", "20"],
     "tools/color/fit_wavelengths.py": ["--colors", "2", "--iterations", "1"],
@@ -240,8 +241,9 @@ def check_layers(sheaf, image, folder, failures):
 def missing_packages(script):
     """Debian packages of the missing modules that a script imports."""
     texts = [script.read_text()]
-    if script.name == "make_gallery.py":
-        texts += [module.read_text() for module in (script.parent / "gallery").glob("*.py")]
+    package = {"make_gallery.py": "gallery", "make_twins.py": "twins"}.get(script.name)
+    if package:
+        texts += [module.read_text() for module in (script.parent / package).glob("*.py")]
     modules = set(re.findall(r"^(?:import|from) (\w+)", "\n".join(texts), re.MULTILINE))
     for module in sorted(modules - set(sys.stdlib_module_names)):
         folders = (script.parent, ROOT / "scenes/make", ROOT / "tools/validation")

@@ -1,0 +1,1 @@
+"""Twin scenes: each is described once and built for Sheaf, Cycles and LuxCore."""
