@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Measures the time to equal error beside Mitsuba 3 and pbrt-v4, thread scaling and peak memory. Needs Python with
-numpy and a build.
+"""Measures the time to equal error beside Mitsuba 3, pbrt-v4, Cycles and LuxCore, thread scaling and peak memory. Needs
+Python with numpy and a build.
 
   bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python [--runs 5] [--markdown docs/performance.md]
+  bench/compare_renderers.py --cycles-python ENVIRONMENT/bin/python --luxcore-python ENVIRONMENT/bin/python
   bench/compare_renderers.py --scenes room.xml -D width=400           any scenes that the renderers read
   bench/compare_renderers.py --scenes kitchen.pbrt --pbrt PROGRAM     scenes of pbrt-v4
 
@@ -12,11 +13,14 @@ by Sheaf with --reference-spp each, kept in --references; delete them if meshes 
 docs/performance.md explains the columns.
 
 Mitsuba needs a Python with the package mitsuba. Its variant llvm_ad_rgb needs LLVM 16 or newer (Debian: libllvm19), or
-DRJIT_LIBLLVM_PATH. Without Mitsuba and pbrt, the script measures Sheaf alone.
-Exit status: 0 measured, 1 Sheaf failed or rejected a scene, 2 wrong usage. Other renderers that fail are reported.
+DRJIT_LIBLLVM_PATH. Cycles and LuxCore need a Python with the package bpy or pyluxcore, and render the twin scenes,
+whose files are written to --twins. Without other renderers, the script measures Sheaf alone.
+Exit status: 0 measured, 1 Sheaf failed or rejected a scene or a Python lacks its renderer, 2 wrong usage. Other
+renderers that fail at a scene are reported.
 """
 
 import argparse
+import dataclasses
 import os
 import shutil
 import subprocess
@@ -26,10 +30,14 @@ from pathlib import Path
 
 import numpy as np
 
+from make_twins import write_twins
 from rendering import ROOT
 from renderers import machine, page
 from renderers.errors import Measurement, efficiency_ratio, measure_errors, render_reference, speed_ratio
-from renderers.programs import Mitsuba, Pbrt, RenderError, Scene, Sheaf, mitsuba_versions, pbrt_version
+from renderers.programs import (Cycles, LuxCore, Mitsuba, Pbrt, RenderError, Scene, Sheaf, TwinRenderer, pbrt_version,
+                                versions)
+from twins.scene import HEIGHT, WIDTH
+from twins.scenes import SCENES as TWINS
 
 SCENES = [
     Scene("cornell", ROOT / "scenes/cornell/cornell.xml", {"width": "320", "height": "240"}),
@@ -41,6 +49,7 @@ SCENES = [
     # Mitsuba does not read NanoVDB, so both read the same voxels from a .vol file.
     Scene("cloud", ROOT / "scenes/validation/cloud.xml", {"grid": "generated/cloud.vol"}),
 ]
+MAX_TWIN_DIFFERENCE = 0.03  # of means; larger ones show that a renderer renders another scene
 CURVE_SCENES = ["cornell", "coloured_glass"]
 SCALING_SCENE = "hall"
 STAGES_SCENE = "material_room"
@@ -57,18 +66,29 @@ class Comparison:
         self.others = [Sheaf(arguments.sheaf, folder, [*self.sheaf.options, *options.split()], f"Sheaf {options}")
                        for options in arguments.also]
         self.notes = []
-        if arguments.mitsuba_python and arguments.variants:
-            self.versions |= mitsuba_versions(arguments.mitsuba_python, folder)
-            home = folder / "home"
-            home.mkdir()
-            self.others += [Mitsuba(arguments.mitsuba_python, v, folder, home) for v in arguments.variants]
+        for name, option, python, make in self.python_renderers():
+            if python:
+                programs = make(python)
+                self.versions |= versions(python, programs[0].worker, folder) if programs else {}
+                self.others += programs
+            if not python or not programs:
+                self.note(f"{name} is not measured: {option}")
         if arguments.pbrt:
             self.versions["pbrt-v4"] = pbrt_version(arguments.pbrt)
             self.others.append(Pbrt(arguments.pbrt, folder))
-        if not any(isinstance(program, Mitsuba) for program in self.others):
-            self.note("Mitsuba is not measured: --mitsuba-python names no Python that has it, or --variants is empty")
-        if not arguments.pbrt:
+        else:
             self.note("pbrt-v4 is not measured: it is not in PATH, and --pbrt is not given")
+
+    def python_renderers(self):
+        """Yields the name of each renderer that is a Python package, why it may be missing, its Python, and a function
+        that returns its variants."""
+        arguments, folder = self.arguments, self.folder
+        home = folder / "home"
+        home.mkdir()
+        yield ("Mitsuba", "--mitsuba-python names no Python that has it, or --variants is empty",
+               arguments.mitsuba_python, lambda python: [Mitsuba(python, v, folder, home) for v in arguments.variants])
+        yield "Cycles", "--cycles-python is not given", arguments.cycles_python, lambda p: [Cycles(p, folder)]
+        yield "LuxCore", "--luxcore-python is not given", arguments.luxcore_python, lambda p: [LuxCore(p, folder)]
 
     def note(self, text):
         if text not in self.notes:
@@ -110,6 +130,10 @@ class Comparison:
                 errors = measure_errors(renders, reference, False if program is self.sheaf else None)
             except ValueError as error:
                 self.note(f"{program.name}, {scene.name}: {error}")
+                continue
+            if isinstance(program, TwinRenderer) and errors.differs_by(MAX_TWIN_DIFFERENCE):
+                self.note(f"{program.name} is not compared in {scene.name}: its mean is {errors.mean_ratio:.3f} of "
+                          "Sheaf's")
                 continue
             results.append(Measurement(program.name, renders, errors, firsts[program]))
         return results
@@ -159,8 +183,9 @@ def print_measurements(scene, measurements):
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    names = ", ".join(scene.name for scene in SCENES)
-    parser.add_argument("--scenes", nargs="+", help=f"files, or names of the default scenes: {names}")
+    names = ", ".join([*(scene.name for scene in SCENES), *TWINS])
+    parser.add_argument("--scenes", nargs="+", help=f"files, or names of the default scenes: {names} (the last "
+                        f"{len(TWINS)} are twins, rendered by default if Cycles or LuxCore are measured)")
     parser.add_argument("-D", "--define", action="append", default=[], metavar="NAME=VALUE",
                         help="variable of the scene files, for Sheaf and Mitsuba; may be repeated")
     parser.add_argument("--spp", type=int, default=16)
@@ -174,6 +199,9 @@ def parse_arguments():
                         help="options of Sheaf that are measured like another renderer; may be empty")
     parser.add_argument("--mitsuba-python", help="Python with Mitsuba 3; default: this one, if it has it")
     parser.add_argument("--variants", nargs="*", default=["llvm_ad_rgb", "scalar_rgb"], help="of Mitsuba; may be empty")
+    parser.add_argument("--cycles-python", help="Python with Cycles, the package bpy")
+    parser.add_argument("--luxcore-python", help="Python with LuxCore, the package pyluxcore")
+    parser.add_argument("--twins", type=Path, default=ROOT / "out/twins", help="folder for the files of twin scenes")
     parser.add_argument("--pbrt", default=shutil.which("pbrt"), help="program of pbrt-v4")
     parser.add_argument("--curve-scenes", nargs="*", default=CURVE_SCENES, help="for the plot of error over time")
     parser.add_argument("--curve-spp", nargs="+", type=int, default=[1, 4, 16, 64])
@@ -198,15 +226,20 @@ def parse_arguments():
 
 def chosen_scenes(arguments):
     """The scenes of the command line. Files other than the default scenes are named after themselves."""
-    known = {scene.name: scene for scene in SCENES}
+    size = {"width": str(WIDTH), "height": str(HEIGHT)}
+    twins = {name: Scene(name, arguments.twins.resolve() / name / "scene.xml", size, name) for name in TWINS}
+    usual = {scene.name: scene for scene in SCENES}
+    default = [*usual, *(twins if arguments.cycles_python or arguments.luxcore_python else [])]
+    known = usual | twins
     scenes = []
-    for name in arguments.scenes or known:
+    for name in arguments.scenes or default:
         file = Path(name).resolve()
         stem = file.name.split(".")[0]
         if stem == "scene" or any(scene.name == stem for scene in scenes):
             stem = f"{file.parent.name}-{stem}"
         scene = known.get(name) or Scene(stem, file)
-        scenes.append(Scene(scene.name, scene.file, scene.defines | arguments.define))
+        scenes.append(dataclasses.replace(scene, defines=scene.defines | arguments.define))
+    write_twins([scene.twin for scene in scenes if scene.twin], arguments.twins)
     return scenes
 
 
@@ -230,7 +263,7 @@ def main():
             staged = arguments.stages_scene if arguments.stages_scene in results else scenes[0].name
             scaling = comparison.scaling(scaled, results[scaled.name])
             facts = [*machine.describe(arguments, comparison.versions),
-                     ("load", f"{load:.1f} running processes before the measurement, {machine.load():.1f} after it")]
+                     ("load", machine.describe_load(load, machine.load()))]
             page.write_page(arguments, comparison, facts, results,
                             [page.curves_section(arguments, curves), page.DIFFERENCES,
                              page.stages_section(staged, results[staged][0]),

@@ -60,6 +60,10 @@ class Errors:
     mean_uncertainty: float
     is_own: bool
 
+    def differs_by(self, limit):
+        """Whether the mean is off by more than a limit, and not by chance."""
+        return abs(self.mean_ratio - 1) > max(limit, 3 * self.mean_uncertainty)
+
 
 def measure_errors(renders, reference, is_own=None):
     """Errors of the renders of one renderer. `is_own`: None decides by the images."""

@@ -5,6 +5,8 @@ import platform
 import re
 from pathlib import Path
 
+IDLE_LOAD = 0.3  # running processes
+
 
 def read(path):
     try:
@@ -43,6 +45,11 @@ def describe(arguments, versions):
         ("Sheaf", f"{versions['Sheaf']}, {compiler(arguments.sheaf)}"),
         *[(name, version) for name, version in versions.items() if name != "Sheaf"],
     ]
+
+
+def describe_load(before, after):
+    state = "idle" if before < IDLE_LOAD else "not idle"
+    return f"{state}: {before:.1f} running processes before the measurement, {after:.1f} after it"
 
 
 def load():

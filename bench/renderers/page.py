@@ -1,10 +1,12 @@
 """Writes docs/performance.md and its plot."""
 
 import textwrap
-from statistics import mean, median
+from statistics import geometric_mean, mean, median
 
 from renderers.errors import efficiency_ratio, figure, speed_ratio
 from renderers.plot import write_plot
+from renderers.programs import TwinRenderer
+from twins.scenes import SCENES
 
 INTRODUCTION = """# Performance
 
@@ -12,10 +14,12 @@ INTRODUCTION = """# Performance
 one after the other, and compares their errors and times:
 
 ```
-{makers}bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python --markdown docs/performance.md
+{makers}bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python --cycles-python ENVIRONMENT/bin/python \
+  --luxcore-python ENVIRONMENT/bin/python --markdown docs/performance.md
 ```
 
-Without `--markdown` it prints times, errors and ratios only. Other scenes, of Mitsuba or of pbrt-v4:
+Without `--markdown` it prints times, errors and ratios only. [bench/README.md](../bench/README.md) says how to install
+Cycles and LuxCore. Other scenes, of Mitsuba or of pbrt-v4:
 
 ```
 bench/compare_renderers.py --scenes scenes/mesh_box/mesh_box.xml -D width=400 -D height=300 --spp 32
@@ -29,15 +33,18 @@ bench/compare_renderers.py --scenes scenes/cornell/cornell.pbrt --pbrt PROGRAM
 
 METHOD = """## Method
 
-All renderers read the same file and take {spp} spp with {threads}. In each of {runs} rounds, every renderer renders
+Sheaf, Mitsuba and pbrt-v4 read the same file, Cycles and LuxCore the description of the [twin scenes](#twin-scenes).
+All take {spp} spp with {threads}. In each of {runs} rounds, every renderer renders
 once, with a new seed. Other programs may run on the machine, so single times scatter; renderers that alternate are
 disturbed alike. Times and their ratios are medians over the rounds, errors are means. Parentheses hold the smallest
 and the largest value of a round.
 
-- **rendering**: wall time of the samples alone. For Mitsuba's `llvm_ad_rgb` it is that of the second image of a
-  process, because the first one loads compiled kernels.
-- **CPU**: user and system time of all threads. For Mitsuba it covers the call that renders; for Sheaf and pbrt-v4 the
-  whole process, scene included.
+- **rendering**: wall time of the samples alone, without reading or building the scene. For Mitsuba's `llvm_ad_rgb` and
+  for Cycles it is that of the second image of a process, because the first one loads kernels or builds the scene.
+  Cycles synchronizes the scene before every image, so the time of an image with 1 spp is subtracted from that of
+  all samples, and the remainder scaled to all samples.
+- **CPU**: user and system time of all threads. For Mitsuba it covers the call that renders, for Cycles and LuxCore the
+  time of rendering; for Sheaf and pbrt-v4 the whole process, scene included.
 - **process**: wall time from the start of a process to its first image. Sheaf's includes writing the file.
 - **MSE**: mean squared error over pixels and channels.
 - **relative MSE**: the squared error over a^2 + 0.01 m^2 for a pixel value a and the mean m of the reference. It leaves
@@ -57,21 +64,33 @@ factor by which it takes longer to the same error. Above 1, Sheaf is faster. Lin
 options of Sheaf with the default.
 """
 
+TWINS = """## Twin scenes
+
+`bench/twins` describes these scenes once and builds them for each renderer, of models that all share: Lambertian
+surfaces, conductors with GGX microfacets, smooth glass, lights, and an isotropic homogeneous medium. All meshes are
+flat-shaded. Sheaf's `max_depth` of 64 equals Cycles' 62 bounces. Filters are boxes of 1 pixel. Light is not clamped,
+images are not denoised, and all pixels take the same samples. Everything else is each renderer's default. The table
+shows the mean of all images over that of Sheaf's reference, with its standard error. A renderer whose mean is off by
+more than 3 % is not compared.
+"""
+
 DIFFERENCES = """## Differences by design
 
 - **Samples.** Sheaf replaces the sampler `independent` by Owen-scrambled Sobol points. Mitsuba has no such sampler.
-  The lines `--sampler independent` show how much of the difference comes from this.
-- **Lights.** Sheaf selects lights by a light BVH and, in `hall`, resamples 4 candidates; Mitsuba selects uniformly.
+  The lines `--sampler independent` show how much of the difference comes from this. Cycles and LuxCore use Sobol
+  points.
+- **Lights.** Sheaf selects lights by a light BVH and, in `hall`, resamples 4 candidates; Mitsuba selects uniformly,
+  Cycles by a light tree, LuxCore by power.
 - **Russian roulette.** Sheaf starts it at depth 2, or 5 in scenes with media, and restores the throughput of
-  survivors to 1/2; Mitsuba starts it at depth 5.
+  survivors to 1/2; Mitsuba starts it at depth 5, LuxCore at depth 3.
 - **Media.** Sheaf's `volpath` combines wavelengths by null-scattering multiple importance sampling; Mitsuba's
   uses delta tracking by one channel.
 - **Execution.** Sheaf's stages work on private queues of about a thousand paths per thread. Mitsuba's `llvm_ad_rgb`
   renders a whole image as one wavefront in memory, and compiles its kernels for the scene; `scalar_rgb` traces
   path by path.
-- **Color.** Sheaf and Mitsuba render in linear Rec. 709. For scenes of pbrt-v4, Sheaf and pbrt-v4 render spectrally.
-
-Both let a sample count in all pixels under the pixel filter.
+- **Color.** Sheaf, Mitsuba, Cycles and LuxCore render in linear Rec. 709. For scenes of pbrt-v4, Sheaf and pbrt-v4
+  render spectrally.
+- **Filters.** Sheaf and Mitsuba let a sample count in all pixels under the pixel filter.
 """
 
 
@@ -98,10 +117,14 @@ def megabytes(value):
     return f"{value / 1e6:.0f} MB"
 
 
+def mean_cell(m):
+    return f"{m.errors.mean_ratio:.4f} ± {m.errors.mean_uncertainty:.4f}"
+
+
 def measures_cells(name, m):
     return [name, code(m.program), spread(m.times()), spread(m.times("cpu_seconds")),
             f"{m.time('process_seconds'):.2f}", f"{m.mse:.2e}", f"{mean(m.errors.relative):.2e}",
-            f"{m.errors.mean_ratio:.4f} ± {m.errors.mean_uncertainty:.4f}", "own" if m.errors.is_own else "Sheaf"]
+            mean_cell(m), "own" if m.errors.is_own else "Sheaf"]
 
 
 def measures_section(results):
@@ -111,18 +134,33 @@ def measures_section(results):
     return "## Times and errors\n\n" + table(head, lines)
 
 
+def cpu_ratios(ours, other):
+    """Error times CPU time over ours, by MSE and by relative MSE."""
+    return [efficiency_ratio(ours, other, error, "cpu_seconds").value for error in ("mse", "relative")]
+
+
+def mean_figure(ratios):
+    """Geometric mean, if the noise of the references made no error negative."""
+    return figure(geometric_mean(ratios)) if min(ratios) > 0 else "unknown"
+
+
 def efficiency_section(results):
     """The ratios of each other renderer, and what its first process took."""
-    lines = []
+    lines, by_program = [], {}
     for name, (ours, *others) in results.items():
         for i, m in enumerate(others):
+            by_program.setdefault(m.program, []).append(cpu_ratios(ours, m))
             lines.append([name if i == 0 else "", code(m.program), str(efficiency_ratio(ours, m)),
-                          str(efficiency_ratio(ours, m, "relative")), figure(efficiency_ratio(
-                              ours, m, "relative", "cpu_seconds").value), str(speed_ratio(ours, m))])
+                          str(efficiency_ratio(ours, m, "relative")), *map(figure, cpu_ratios(ours, m)),
+                          str(speed_ratio(ours, m))])
     if not lines:
         return EFFICIENCY + "\nThis run measured no other renderer.\n"
-    head = ["scene", "compared with", "by MSE", "by relative MSE", "by relative MSE and CPU time", "time per sample"]
-    parts = [EFFICIENCY, table(head, lines)]
+    head = ["scene", "compared with", "by MSE", "by relative MSE", "by MSE and CPU time",
+            "by relative MSE and CPU time", "time per sample"]
+    means = [[code(program), str(len(ratios)), *map(mean_figure, zip(*ratios))]
+             for program, ratios in by_program.items()]
+    parts = [EFFICIENCY, table(head, lines), "Geometric means over the scenes that a renderer shares with Sheaf:\n",
+             table(["compared with", "scenes", *head[4:6]], means)]
     compiled = [f"{m.first_process_seconds:.0f} s ({name})" for name, of_scene in results.items() for m in of_scene
                 if "llvm" in m.program]
     if compiled:
@@ -159,7 +197,7 @@ def memory_section(results):
         peaks = {m.program: megabytes(m.peak_bytes) for m in of_scene}
         lines.append([name, *(peaks.get(program, "") for program in programs)])
     text = paragraph("Peak resident memory of the process: the largest of all rounds, as the system reports it. "
-                     "Mitsuba's includes the Python interpreter.")
+                     "Those of Mitsuba, Cycles and LuxCore include the Python interpreter.")
     return "\n".join(["## Memory\n", text, table(["scene", *map(code, programs)], lines)])
 
 
@@ -197,6 +235,19 @@ def curves_section(arguments, curves):
         "numbers at Sheaf's points are its samples per pixel.")])
 
 
+def twins_section(comparison, results):
+    """The twin scenes, and whether the renderers agree about them."""
+    scenes = [scene for scene in comparison.scenes if scene.twin]
+    programs = [p.name for p in comparison.others if isinstance(p, TwinRenderer)]
+    if not scenes:
+        return ""
+    lines = []
+    for scene in scenes:
+        means = {m.program: mean_cell(m) for m in results[scene.name]}
+        lines.append([scene.name, SCENES[scene.twin].__doc__, *(means.get(p, "not compared") for p in programs)])
+    return TWINS + "\n" + table(["scene", "contents", *programs], lines)
+
+
 def notes_text(comparison):
     """What was not measured, and what other renderers ignore."""
     parts = [f"{note}." for note in comparison.notes]
@@ -219,5 +270,6 @@ def write_page(arguments, comparison, facts, results, sections):
                             machine="\n".join(f"| {what} | {text} |" for what, text in facts)),
         notes_text(comparison),
         METHOD.format(spp=arguments.spp, threads=threads, runs=arguments.runs, reference_spp=arguments.reference_spp),
-        measures_section(results), efficiency_section(results), *sections, memory_section(results)]
+        measures_section(results), twins_section(comparison, results), efficiency_section(results), *sections,
+        memory_section(results)]
     arguments.markdown.write_text("\n".join(part for part in parts if part), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Runs Sheaf, Mitsuba and pbrt on the same scene file, and returns their images with times and peak memory."""
+"""Runs Sheaf and other renderers on the same scene, and returns their images with times and peak memory."""
 
 import json
 import os
@@ -24,10 +24,12 @@ class RenderError(RuntimeError):
 
 @dataclass(frozen=True)
 class Scene:
-    """`defines`: values for the variables of an XML file."""
+    """`defines`: values for the variables of an XML file. `twin`: name of the description in bench/twins, which also
+    renderers with other formats render."""
     name: str
     file: Path
     defines: dict = field(default_factory=dict)
+    twin: str | None = None
 
 
 @dataclass(frozen=True)
@@ -75,37 +77,81 @@ class Sheaf:
                       usage["peak_bytes"], report)
 
 
-class Mitsuba:
-    """A variant of Mitsuba. One that compiles renders two images per process, and the second gives the time of
-    rendering. `home` is the folder of Dr.Jit's kernel cache."""
+def versions(python, worker, folder):
+    """Returns {package: version} of the renderer of a worker."""
+    try:
+        return json.loads(launch([python, worker, "version"], folder)[1].strip().splitlines()[-1])
+    except (RenderError, OSError) as error:
+        raise RenderError(f"{python} cannot run {worker.name}: {error}") from None
 
-    def __init__(self, python, variant, folder, home):
-        self.python, self.variant, self.folder, self.home = python, variant, folder, home
-        self.name = f"Mitsuba {variant}"
-        self.compiles = not variant.startswith("scalar")
+
+class PythonRenderer:
+    """A renderer that is a Python package. Its worker renders one image per seed; with more than one, the last gives
+    the time of rendering, without what a first image compiles or builds."""
+
+    def __init__(self, name, worker, python, folder, images=1, environment=None):
+        self.name, self.worker, self.python, self.folder = name, worker, python, folder
+        self.images, self.environment = images, environment
         self.ignored = {}
 
-    def reads(self, scene):
-        return scene.file.suffix == ".xml"
+    def job(self, scene):
+        """The scene's part of the job that the worker reads."""
+        raise NotImplementedError
 
     def render(self, scene, spp, seed, threads):
-        output, job = self.folder / "mitsuba.npz", self.folder / "job.json"
-        seeds = [2 * seed, 2 * seed + 1] if self.compiles else [2 * seed]
-        job.write_text(json.dumps({"scene": str(scene.file), "defines": scene.defines, "spp": spp, "seeds": seeds,
-                                   "variant": self.variant, "threads": threads, "output": str(output)}))
-        usage, _ = launch([self.python, HERE / "mitsuba_worker.py", "render", job], self.folder,
-                          os.environ | {"HOME": str(self.home)})
+        output, job = self.folder / "images.npz", self.folder / "job.json"
+        seeds = [self.images * seed + i for i in range(self.images)]
+        job.write_text(json.dumps(self.job(scene) | {"spp": spp, "seeds": seeds, "threads": threads,
+                                                     "output": str(output)}))
+        usage, _ = launch([self.python, self.worker, "render", job], self.folder, self.environment)
         with np.load(output) as result:
             images = [np.nan_to_num(image.astype(float), posinf=0, neginf=0) for image in result["images"]]
-            if result["ignored"].size:
+            if "ignored" in result and result["ignored"].size:
                 self.ignored[scene.name] = [str(name) for name in result["ignored"]]
             return Render(images, float(result["seconds"][-1]), float(result["cpu_seconds"][-1]),
                           float(result["finished"][0]) - usage["start"], usage["peak_bytes"])
 
 
-def mitsuba_versions(python, folder):
-    """Returns {"Mitsuba": version, "Dr.Jit": version, "LLVM": version}."""
-    return json.loads(launch([python, HERE / "mitsuba_worker.py", "version"], folder)[1].strip().splitlines()[-1])
+class Mitsuba(PythonRenderer):
+    """A variant of Mitsuba. `home` is the folder of Dr.Jit's kernel cache. It renders no twin scenes, because the
+    compiling variants take minutes for thousands of instances."""
+    WORKER = HERE / "mitsuba_worker.py"
+
+    def __init__(self, python, variant, folder, home):
+        self.variant, self.compiles = variant, not variant.startswith("scalar")
+        super().__init__(f"Mitsuba {variant}", self.WORKER, python, folder, 2 if self.compiles else 1,
+                         os.environ | {"HOME": str(home)})
+
+    def reads(self, scene):
+        return scene.file.suffix == ".xml" and scene.twin is None
+
+    def job(self, scene):
+        return {"scene": str(scene.file), "defines": scene.defines, "variant": self.variant}
+
+
+class TwinRenderer(PythonRenderer):
+    """A renderer of the twin scenes, from their descriptions and the meshes in the folder of the scene file."""
+
+    def reads(self, scene):
+        return scene.twin is not None
+
+    def job(self, scene):
+        return {"twin": scene.twin, "folder": str(scene.file.parent), "width": int(scene.defines["width"]),
+                "height": int(scene.defines["height"])}
+
+
+class Cycles(TwinRenderer):
+    WORKER = HERE / "cycles_worker.py"
+
+    def __init__(self, python, folder):
+        super().__init__("Cycles", self.WORKER, python, folder, 2)
+
+
+class LuxCore(TwinRenderer):
+    WORKER = HERE / "luxcore_worker.py"
+
+    def __init__(self, python, folder):
+        super().__init__("LuxCore", self.WORKER, python, folder)
 
 
 def pbrt_version(program):

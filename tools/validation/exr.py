@@ -1,4 +1,4 @@
-"""Reads the OpenEXR files that `sheaf render` writes."""
+"""Reads the OpenEXR files that `sheaf render` and Blender write."""
 
 import struct
 import zlib
@@ -6,13 +6,14 @@ import zlib
 import numpy as np
 
 LINES_PER_BLOCK = {0: 1, 2: 1, 3: 16}  # uncompressed, ZIPS, ZIP
+LONG_NAMES = 0x400  # bit of the version
 TYPES = {0: "<u4", 1: "<f2", 2: "<f4"}
 
 
 def read_channels(path):
     """Returns {name: height x width array} of a single-part scanline file without compression or with ZIP."""
     data = path.read_bytes()
-    if data[:8] != struct.pack("<2I", 20000630, 2):
+    if data[:8] not in [struct.pack("<2I", 20000630, 2 | flag) for flag in (0, LONG_NAMES)]:
         raise ValueError(f"{path} is not a single-part scanline EXR file")
     header, at = read_header(data)
     channels = read_channel_list(header["channels"])
