@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the twin scenes, which compare_renderers.py renders with Sheaf, Cycles and LuxCore, as scene files for Sheaf
-and Mitsuba. Needs Python with numpy; the output is deterministic.
+and Mitsuba. Needs Python with numpy, whose version may change last digits of coordinates.
 
   bench/make_twins.py [SCENE...] [--output out/twins] [--sheaf PROGRAM]
 

@@ -14,7 +14,7 @@ INTRODUCTION = """# Performance
 one after the other, and compares their errors and times:
 
 ```
-{makers}bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python --cycles-python ENVIRONMENT/bin/python \
+{makers}bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python --cycles-python ENVIRONMENT/bin/python \\
   --luxcore-python ENVIRONMENT/bin/python --markdown docs/performance.md
 ```
 
@@ -33,11 +33,10 @@ bench/compare_renderers.py --scenes scenes/cornell/cornell.pbrt --pbrt PROGRAM
 
 METHOD = """## Method
 
-Sheaf, Mitsuba and pbrt-v4 read the same file, Cycles and LuxCore the description of the [twin scenes](#twin-scenes).
-All take {spp} spp with {threads}. In each of {runs} rounds, every renderer renders
-once, with a new seed. Other programs may run on the machine, so single times scatter; renderers that alternate are
-disturbed alike. Times and their ratios are medians over the rounds, errors are means. Parentheses hold the smallest
-and the largest value of a round.
+Sheaf, Mitsuba and pbrt-v4 read the same file, Cycles and LuxCore the description of the twin scenes. All take {spp} spp
+with {threads}. In each of {runs} rounds, every renderer renders once, with a new seed. Other programs may run on the
+machine, so single times scatter; renderers that alternate are disturbed alike. Times and their ratios are medians over
+the rounds, errors are means. Parentheses hold the smallest and the largest value of a round.
 
 - **rendering**: wall time of the samples alone, without reading or building the scene. For Mitsuba's `llvm_ad_rgb` and
   for Cycles it is that of the second image of a process, because the first one loads kernels or builds the scene.
@@ -69,9 +68,11 @@ TWINS = """## Twin scenes
 `bench/twins` describes these scenes once and builds them for each renderer, of models that all share: Lambertian
 surfaces, conductors with GGX microfacets, smooth glass, lights, and an isotropic homogeneous medium. All meshes are
 flat-shaded. Sheaf's `max_depth` of 64 equals Cycles' 62 bounces. Filters are boxes of 1 pixel. Light is not clamped,
-images are not denoised, and all pixels take the same samples. Everything else is each renderer's default. The table
-shows the mean of all images over that of Sheaf's reference, with its standard error. A renderer whose mean is off by
-more than 3 % is not compared.
+images are not denoised, and all pixels take the same samples. Everything else is each renderer's default. Mitsuba is
+left out, because its compiling variant takes minutes for thousands of instances.
+
+The table shows the mean of all images over that of Sheaf's reference, with its standard error. A renderer whose mean is
+off by more than 3 % is not compared.
 """
 
 DIFFERENCES = """## Differences by design
