@@ -1,10 +1,12 @@
 // The pbrt dialect: inspection and conversion of image files.
-#include "core/color/color.h"
+#include "core/color/srgb_bytes.h"
 #include "core/image/image_channels.h"
+#include "core/io/parallel_ranges.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 namespace sheaf::pbrt {
@@ -18,6 +20,39 @@ bool has_extension(const std::filesystem::path& file, std::string_view end) {
   return extension.ends_with(end);
 }
 
+constexpr std::size_t kPixelsPerTask = 1 << 14;
+
+/// The colors of an image, with `map` applied to every linear value. Computes bytes by a table.
+template <class Map> Image mapped_colors(const StoredImage& image, const SourceLocation& file, bool raw, Map&& map) {
+  Image out(image.width, image.height, {"R", "G", "B"});
+  const bool bytes = !image.bytes.empty(), decode = !raw && (image.integers || bytes);
+  const std::size_t stride = image.channels.size();
+  const std::vector<std::size_t> channels = find_color_channels(image.channels, file).channels;
+  std::array<float, 256> table{};
+  for (std::size_t i = 0; bytes && i < table.size(); ++i)
+    table[i] = map(decode ? linear_of_srgb_bytes()[i] : static_cast<float>(i) / 255);
+  std::atomic<bool> is_finite = true;
+  parallel_ranges(
+      out.pixel_count(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t pixel = begin; pixel < end; ++pixel)
+          for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t at = pixel * stride + channels[std::min(c, channels.size() - 1)];
+            float& to = out.data[3 * pixel + c];
+            if (bytes) {
+              to = table[image.bytes[at]];
+            } else if (const float value = image.floats[at]; std::isfinite(value)) {
+              to = map(decode ? srgb_to_linear(value) : value);
+            } else {
+              is_finite = false;
+            }
+          }
+      },
+      kPixelsPerTask);
+  if (!is_finite) throw SceneError(file, "a pixel is not a finite number");
+  return out;
+}
+
 }  // namespace
 
 bool is_png(const std::filesystem::path& file) { return has_extension(file, "png"); }
@@ -27,25 +62,29 @@ bool may_hold_integers(const std::filesystem::path& file) {
 }
 
 std::shared_ptr<const Image> base_image(const BitmapDescription& bitmap, const LayeredBase& base) {
-  auto out = std::make_shared<Image>();
-  try {
-    *out = bitmap.made ? *bitmap.made : read_linear_image(bitmap.file, bitmap.raw, {});
-  } catch (const SceneError&) { return nullptr; }
   // A table with 1024 steps replaces the evaluation per value; it is finer than 8-bit quantization.
   constexpr int kSteps = 1024;
   std::array<float, kSteps + 2> table;
   for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);
   const BitmapDescription::ColorTransform& change = bitmap.change;
-  for (float& value : out->data) {
+  const auto to_base = [&](float value) {
     value *= change.scale;
     if (change.invert) value = 1 - value;
     value = std::clamp(value, 0.0f, 1.0f);
     if (change.exponent != 1.0f) value = std::pow(value, change.exponent);
     const float at = value * kSteps;
     const auto cell = static_cast<std::size_t>(at);
-    value = std::lerp(table[cell], table[cell + 1], at - static_cast<float>(cell));
+    return std::lerp(table[cell], table[cell + 1], at - static_cast<float>(cell));
+  };
+  if (bitmap.made) {
+    auto out = std::make_shared<Image>(*bitmap.made);
+    std::transform(out->data.begin(), out->data.end(), out->data.begin(), to_base);
+    return out;
   }
-  return out;
+  try {
+    return std::make_shared<Image>(
+        mapped_colors(read_stored_image(bitmap.file), {bitmap.file.string(), 0}, bitmap.raw, to_base));
+  } catch (const SceneError&) { return nullptr; }
 }
 
 std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
@@ -67,7 +106,9 @@ std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
     return pixels.bytes.empty() ? pixels.floats[at] : static_cast<float>(pixels.bytes[at]) / 255;
   };
   const auto linear = [&](std::size_t pixel, std::ptrdiff_t c) {
-    return decode ? srgb_to_linear(stored(pixel, c)) : stored(pixel, c);
+    if (!decode) return stored(pixel, c);
+    if (pixels.bytes.empty()) return srgb_to_linear(stored(pixel, c));
+    return linear_of_srgb_bytes()[pixels.bytes[pixel * pixels.channels.size() + static_cast<std::size_t>(c)]];
   };
   auto out = std::make_shared<Image>(pixels.width, pixels.height, std::vector<std::string>{"Y"});
   const bool has_alpha = a < count && (is_png(bitmap.file) || has_extension(bitmap.file, "exr"));
@@ -81,19 +122,7 @@ std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
 
 Image read_linear_image(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
   try {
-    const StoredImage image = read_stored_image(file);
-    Image out(image.width, image.height, {"R", "G", "B"});
-    const bool decode = !raw && (image.integers || !image.bytes.empty());
-    const std::size_t stride = image.channels.size();
-    const std::vector<std::size_t> channels = find_color_channels(image.channels, {file.string(), 0}).channels;
-    for (std::size_t pixel = 0; pixel < out.pixel_count(); ++pixel)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t at = pixel * stride + channels[std::min(c, channels.size() - 1)];
-        const float value = image.bytes.empty() ? image.floats[at] : static_cast<float>(image.bytes[at]) / 255;
-        if (!std::isfinite(value)) throw SceneError({file.string(), 0}, "a pixel is not a finite number");
-        out.data[3 * pixel + c] = decode ? srgb_to_linear(value) : value;
-      }
-    return out;
+    return mapped_colors(read_stored_image(file), {file.string(), 0}, raw, [](float value) { return value; });
   } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 

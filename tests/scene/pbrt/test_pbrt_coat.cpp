@@ -1,10 +1,14 @@
 // The base under pbrt's coats: Sheaf's closed form against pbrt's random walk, simulated here.
+#include "core/color/color.h"
 #include "scene/compile/textures/compile_textures.h"
 #include "scene/dialects/pbrt/coat.h"
+#include "scene/dialects/pbrt/reader.h"
 #include "scene/materials/rough_coat.h"
 #include "scene/textures/texture_lookup.h"
+#include "tests/support/files/image_files.h"
 #include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
+#include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
 
@@ -97,6 +101,26 @@ TEST_CASE("pbrt coats: internal reflection of rough coats matches the tables of 
     const double b = double{pbrt::LayeredBase(alpha, 1.5, 0, 1).albedo(1)};
     const RoughCoat coat = rough_coat(RoughnessDescription::Distribution::kGgx, alpha, 1.5);
     CHECK(1 / b - 1 == near(double{coat.internal_reflectance}, 0.01));
+  }
+}
+
+TEST_CASE("pbrt coats: albedos of byte images from a table are those of their values") {
+  const TemporaryFolder folder;
+  std::vector<int> values(3 * 256);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<int>(i / 3);
+  write_pnm(folder / "a.ppm", 16, 16, 3, 255, values);
+  const pbrt::LayeredBase base(0, 1.5, 0.01, 10);
+  for (const bool raw : {false, true}) {
+    BitmapDescription bitmap;
+    bitmap.file = folder / "a.ppm";
+    bitmap.raw = raw;
+    bitmap.change = {0.9f, true, 1.5f};
+    const std::shared_ptr<const Image> by_table = pbrt::base_image(bitmap, base);
+    bitmap.made = std::make_shared<Image>(pbrt::read_linear_image(bitmap.file, raw, {}));
+    REQUIRE(by_table != nullptr);
+    CHECK(by_table->data == pbrt::base_image(bitmap, base)->data);
+    const float byte = 100.0f / 255;
+    CHECK(bitmap.made->data[300] == (raw ? byte : srgb_to_linear(byte)));
   }
 }
 
