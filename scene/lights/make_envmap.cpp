@@ -1,6 +1,6 @@
 #include "scene/lights/make_envmap.h"
 
-#include "core/color/color.h"
+#include "core/color/srgb_bytes.h"
 #include "core/color/uplift.h"
 #include "core/image/image.h"
 #include "core/image/image_channels.h"
@@ -173,7 +173,10 @@ double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t he
   return hat * mean_sine(row, height) * (kPiDouble / (height - 1)) * (2 * kPiDouble / width);
 }
 
-Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation) {
+namespace {
+
+/// Throws SceneError if an image is too large.
+void check_size(const EnvmapImage& image) {
   if (std::size_t{image.width} * image.height > kMaxEnvmapPixels)
     throw SceneError(
         fmt::format("an image of {} x {} pixels is too large for an environment map (expected at most 2^28)",
@@ -182,13 +185,26 @@ Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation) {
     throw SceneError(
         fmt::format("an image of {} x {} pixels is too long for an environment map (expected sides of at most {})",
                     image.width, image.height, kMaxQuantileEntries));
-  // Encode the radiance
+}
+
+/// A map without its density.
+Envmap radiance_map(EnvmapImage image, float scale) {
+  check_size(image);
   Envmap map;
   map.width = image.width;
   map.height = std::max(image.height, 2u);
   map.to_map[0] = map.to_map[4] = map.to_map[8] = 1.0f;
   fill_radiance(map, image, scale);
   set_mean(map);
+  return map;
+}
+
+}  // namespace
+
+Vec3f envmap_mean(const EnvmapImage& image) { return radiance_map(image, 1).mean; }
+
+Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation) {
+  Envmap map = radiance_map(std::move(image), scale);
   // Build the sampling density, without compensation if that leaves nothing
   map.offset = mis_compensation ? luminance(map.mean) / map.unit : 0.0f;
   if (!fill_density(map)) {
@@ -232,6 +248,7 @@ EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw) {
   const std::size_t stride = stored.channels.size();
   const bool bytes = !stored.bytes.empty(), encoded = !raw && (bytes || stored.integers);
   const auto value = [&](std::size_t index) {
+    if (bytes && encoded) return linear_of_srgb_bytes()[stored.bytes[index]];
     const float raw_value = bytes ? static_cast<float>(stored.bytes[index]) / 255.0f : stored.floats[index];
     return encoded ? srgb_to_linear(raw_value) : raw_value;
   };

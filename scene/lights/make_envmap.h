@@ -24,6 +24,9 @@ struct EnvmapImage {
 /// larger of the two. Throws SceneError for images of more than 2^28 pixels or with too long rows or columns.
 Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation);
 
+/// Envmap::mean of make_envmap() at scale 1. Throws SceneError as it does.
+Vec3f envmap_mean(const EnvmapImage& image);
+
 /// Solid angle of a node of row `row`, in a map of `width` by `height` nodes.
 double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height);
 

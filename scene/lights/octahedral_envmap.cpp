@@ -2,6 +2,7 @@
 
 #include "core/sampling/octahedral.h"
 #include "core/simd/lanes.h"
+#include "core/soa/lane_array.h"
 
 #include <tbb/parallel_for.h>
 
@@ -48,21 +49,51 @@ Vec3f direction_of(const SineCosine& phi, const SineCosine& theta) {
 
 bool counts(float value) { return value >= 0.0f && std::isfinite(value); }
 
+/// Indices of the texels at a position in the square map.
+std::size_t texel_at(const EnvmapImage& square, Vec2f uv) {
+  const auto texel = [&](float coordinate) {
+    const auto t = static_cast<std::uint32_t>(std::max(coordinate, 0.0f) * static_cast<float>(square.width));
+    return std::min(t, square.width - 1);
+  };
+  return std::size_t{texel(uv.y)} * square.width + texel(uv.x);
+}
+
+/// Computes texel_at() of a register of directions. Positions are approximate in wide registers: those that lie next to
+/// another texel are computed again by scalar arithmetic, so that the result does not depend on the instruction set.
+void find_texels(const EnvmapImage& square, const LaneRows<Wide, Vec3>& directions, int count, std::size_t* texels) {
+  constexpr float kPositionError = 1e-5f;
+  const Vec2<Wide> uv = equal_area_octahedral<Wide>(directions.load());
+  const LaneArray u(uv.x), v(uv.y);
+  const float scale = static_cast<float>(square.width), margin = kPositionError * scale;
+  const auto is_near_edge = [&](float coordinate) {
+    const float position = coordinate * scale;
+    return std::abs(position - std::round(position)) <= margin;
+  };
+  for (int lane = 0; lane < count; ++lane) {
+    const bool exact = is_near_edge(u[lane]) || is_near_edge(v[lane]);
+    texels[lane] = texel_at(square, exact ? equal_area_octahedral<Scalar>(directions[lane]) : Vec2f{u[lane], v[lane]});
+  }
+}
+
 /// Mean of the texels around node (i, j).
 Vec3f mean_around(const EnvmapImage& square, std::uint32_t i, std::uint32_t j, const LookupAngles& angles) {
-  Vec3f sum{0, 0, 0};
-  for (std::uint32_t b = 0; b < kLookups; ++b)
-    for (std::uint32_t a = 0; a < kLookups; ++a) {
-      const SineCosine &phi = angles.phi[kLookups * i + a], &theta = angles.theta[kLookups * j + b];
-      const Vec2f uv = equal_area_octahedral<Scalar>(direction_of(phi, theta));
-      const auto texel = [&](float coordinate) {
-        const auto t = static_cast<std::uint32_t>(std::max(coordinate, 0.0f) * static_cast<float>(square.width));
-        return std::min(t, square.width - 1);
-      };
-      const float* rgb = &square.rgb[3 * (std::size_t{texel(uv.y)} * square.width + texel(uv.x))];
-      sum = sum + Vec3f{counts(rgb[0]) ? rgb[0] : 0, counts(rgb[1]) ? rgb[1] : 0, counts(rgb[2]) ? rgb[2] : 0};
+  constexpr int kCount = kLookups * kLookups;
+  std::size_t texels[kCount];
+  for (int first = 0; first < kCount; first += kWidth) {
+    LaneRows<Wide, Vec3> directions;
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const auto k = static_cast<std::uint32_t>(std::min(first + lane, kCount - 1));
+      directions.set(lane,
+                     direction_of(angles.phi[kLookups * i + k % kLookups], angles.theta[kLookups * j + k / kLookups]));
     }
-  return sum * (1.0f / (kLookups * kLookups));
+    find_texels(square, directions, std::min(kWidth, kCount - first), texels + first);
+  }
+  Vec3f sum{0, 0, 0};
+  for (const std::size_t texel : texels) {
+    const float* rgb = &square.rgb[3 * texel];
+    sum = sum + Vec3f{counts(rgb[0]) ? rgb[0] : 0, counts(rgb[1]) ? rgb[1] : 0, counts(rgb[2]) ? rgb[2] : 0};
+  }
+  return sum * (1.0f / kCount);
 }
 
 /// Mean of a channel of the square map over all directions.
@@ -73,9 +104,9 @@ double mean_of(const EnvmapImage& square, std::size_t channel) {
   return sum * 3 / static_cast<double>(square.rgb.size());
 }
 
-/// Scales a map so that make_envmap() computes the same means as for `square`.
+/// Scales a map so that envmap_mean() computes the same means as for `square`.
 void keep_means(EnvmapImage& map, const EnvmapImage& square) {
-  const Vec3f found = make_envmap(map, 1, false).mean;
+  const Vec3f found = envmap_mean(map);
   const std::array<float, 3> means{found.x, found.y, found.z};
   for (std::size_t c = 0; c < 3; ++c) {
     const float scale = means[c] > 0.0f ? static_cast<float>(mean_of(square, c)) / means[c] : 1.0f;

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf::test_octahedral_envmap {
@@ -79,6 +80,33 @@ TEST_SUITE("square environment maps") {
     // To the rounding of texels, which have 10 bits
     CHECK(mean.x == near(1, 5e-4));
     CHECK(mean.z == near(1, 5e-4));
+  }
+
+  TEST_CASE("square maps: nodes are means of the texels around them, as by scalar arithmetic") {
+    constexpr std::uint32_t kSize = 24, kWidth = 2 * kSize;
+    EnvmapImage square{kSize, kSize, std::vector<float>(3 * kSize * kSize)};
+    for (std::size_t k = 0; k < square.rgb.size(); ++k)
+      square.rgb[k] = 0.5f + static_cast<float>((k * 2654435761u >> 8) % 1000) * 1e-3f;
+    const EnvmapImage map = lat_long_of_octahedral(square, "sky.exr");
+    double scale = 0, worst = 0;
+    for (std::uint32_t j = 0; j < kSize; ++j)
+      for (std::uint32_t i = 0; i < kWidth; ++i) {
+        double sum = 0;
+        for (int k = 0; k < 16; ++k) {
+          const double phi = 2 * std::acos(-1.0) * (i + (k % 4 + 0.5) / 4) / kWidth;
+          const double v = std::clamp((j - 0.5 + (k / 4 + 0.5) / 4) / (kSize - 1), 0.0, 1.0);
+          const double theta = std::acos(-1.0) * v, sine = std::sin(theta);
+          const Vec2f uv = equal_area_octahedral<Scalar>({static_cast<float>(sine * std::sin(phi)),
+                                                          static_cast<float>(std::cos(theta)),
+                                                          static_cast<float>(-sine * std::cos(phi))});
+          const auto texel = [](float x) { return std::min(static_cast<std::uint32_t>(x * kSize), kSize - 1); };
+          sum += static_cast<double>(square.rgb[3 * (std::size_t{texel(uv.y)} * kSize + texel(uv.x))]) / 16;
+        }
+        const auto found = static_cast<double>(map.rgb[3 * (std::size_t{j} * kWidth + i)]);
+        if (scale == 0) scale = found / sum;  // keeps the mean
+        worst = std::max(worst, std::abs(found / (sum * scale) - 1));
+      }
+    CHECK(worst < 1e-5);
   }
 
   TEST_CASE("square maps: images that are not square are rejected") {
