@@ -11,7 +11,7 @@ SceneView SceneTables::view() const {
   v.media = media.view();
   v.motion = motion.view();
   v.sensor = sensor.view(film.width);
-  if (color == ColorMode::kSpectral) v.spectral = spectra.view();
+  if (color == ColorMode::kSpectral) v.spectral = spectra.view(!textures.rows.empty());
   v.accel = accel.get();
   v.origin = origin;
   v.center = center;

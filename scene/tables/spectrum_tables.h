@@ -18,8 +18,8 @@ struct SpectralView {
   /// Spectrum of each light, instead of LightRecord::radiance. Colors of textures and maps are upsampled and
   /// multiplied by it.
   const SpectrumRow* lights = nullptr;
-  const SpectrumRow* media = nullptr;  ///< see MediumRow
-  const UpliftTable* uplift = nullptr;
+  const SpectrumRow* media = nullptr;   ///< see MediumRow
+  const UpliftTable* uplift = nullptr;  ///< null: the scene has no textures
   const SensorCurves* sensor = nullptr;
 };
 
@@ -28,8 +28,13 @@ struct SpectrumTables {
   std::vector<float> samples;  ///< SpectrumTableView::samples
   std::vector<SpectrumRow> materials, lights, media;
 
-  SpectralView view() const {
-    return {{samples.data()}, materials.data(), lights.data(), media.data(), &UpliftTable::get(), &SensorCurves::get()};
+  SpectralView view(bool has_textures) const {
+    return {{samples.data()},
+            materials.data(),
+            lights.data(),
+            media.data(),
+            has_textures ? &UpliftTable::get() : nullptr,
+            &SensorCurves::get()};
   }
   /// Memory in bytes.
   std::size_t bytes() const { return bytes_of(samples, materials, lights, media); }
