@@ -87,8 +87,11 @@ void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry
   ErrorSink errors(arguments.read.lenient, loaded.description.substitutions);
   options.errors = &errors;
   loaded.scene = compile_scene(loaded.description, options);
-  // Moving takes some 0.2 us per triangle
-  if (options.expected_rays > static_cast<double>(loaded.scene->info().triangles)) move_to_large_pages();
+  // Moving takes some 1.2 ns per byte, and saves up to 60 ns per ray
+  constexpr double kBytesPerRay = 50;
+  const SceneInfo info = loaded.scene->info();
+  if (kBytesPerRay * options.expected_rays > static_cast<double>(info.table_bytes + info.accel_bytes))
+    move_to_large_pages();
 }
 
 std::vector<std::string> scene_warnings(const LoadedScene& loaded) {
