@@ -1,7 +1,7 @@
 // Converts an image, with rows from the top, to tiles of texels, with rows from the bottom.
 #include "scene/compile/textures/texture_image.h"
 
-#include "core/color/color.h"
+#include "core/color/srgb_bytes.h"
 #include "core/image/exr.h"
 #include "core/image/exr_halves.h"
 #include "core/image/image.h"
@@ -17,22 +17,24 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <span>
+#include <type_traits>
 
 namespace sheaf {
 
 namespace {
 
 /// Moves the selected `channels` of the image's `values` into texels of one or four values, converted by `convert`.
-/// Writes tiles and releases values row by row, so that most of the image exists only once.
+/// Writes tiles and releases values row by row, so that most of the image exists only once. Constant values stay.
 template <class T, class Convert>
-void fill_tiles(TiledImage& image, std::vector<T>& values, std::size_t stride, const std::vector<std::size_t>& channels,
+void fill_tiles(TiledImage& image, std::span<T> values, std::size_t stride, const std::vector<std::size_t>& channels,
                 Convert&& convert) {
-  using Texel = std::decay_t<decltype(convert(T{}))>;
+  using Texel = std::decay_t<decltype(convert(values[0]))>;
   const std::size_t texel_bytes = (channels.size() == 1 ? 1 : 4) * sizeof(Texel);
   const TileShift shift = tile_shift(image.format);
   const std::size_t x_mask = (std::size_t{1} << shift.x) - 1, y_mask = (std::size_t{1} << shift.y) - 1;
   const std::size_t row_values = image.width * stride;
-  std::size_t end = values.size();  // of the values that are not released
+  [[maybe_unused]] std::size_t end = values.size();  // of the values that are not released
   for (std::size_t y = 0; y < image.height; ++y) {
     TexelTile* const tiles = &image.tiles[(y >> shift.y) * image.tiles_per_row];
     if ((y & y_mask) == 0) std::fill_n(tiles, image.tiles_per_row, TexelTile{});
@@ -43,11 +45,13 @@ void fill_tiles(TiledImage& image, std::vector<T>& values, std::size_t stride, c
       const std::size_t texel = ((y & y_mask) << shift.x) + (x & x_mask);
       std::memcpy(tiles[x >> shift.x].bytes + texel * texel_bytes, copy, texel_bytes);
     }
-    constexpr std::size_t kReleased = std::size_t{4} << 20;
-    const std::size_t begin = (image.height - 1 - y) * row_values;
-    if ((end - begin) * sizeof(T) < kReleased) continue;
-    release_pages(&values[begin], (end - begin) * sizeof(T));
-    end = begin;
+    if constexpr (!std::is_const_v<T>) {
+      constexpr std::size_t kReleased = std::size_t{4} << 20;
+      const std::size_t begin = (image.height - 1 - y) * row_values;
+      if ((end - begin) * sizeof(T) < kReleased) continue;
+      release_pages(&values[begin], (end - begin) * sizeof(T));
+      end = begin;
+    }
   }
 }
 
@@ -66,22 +70,18 @@ void check_finite(int width, int height, const std::vector<std::string>& names,
       }
 }
 
-/// Checks that the selected channels are finite, and decodes them if `decode`. Returns whether all of them are exact as
-/// halves.
-bool prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channels, bool decode,
-                    const SourceLocation& where) {
-  check_finite(stored.width, stored.height, stored.channels, channels, where,
-               [&](std::size_t i) { return stored.floats[i]; });
-  const std::size_t stride = stored.channels.size();
-  bool are_halves = true;
-  for (std::size_t pixel = 0; pixel * stride < stored.floats.size(); ++pixel) {
-    for (const std::size_t c : channels) {
-      float& value = stored.floats[pixel * stride + c];
-      if (decode) value = srgb_to_linear(value);
-      are_halves = are_halves && half_to_float(float_to_half(value)) == value;
-    }
-  }
-  return are_halves;
+/// Whether all values of the selected channels are exact as halves.
+bool are_halves(std::span<const float> values, std::size_t stride, const std::vector<std::size_t>& channels) {
+  for (std::size_t pixel = 0; pixel < values.size(); pixel += stride)
+    for (const std::size_t c : channels)
+      if (half_to_float(float_to_half(values[pixel + c])) != values[pixel + c]) return false;
+  return true;
+}
+
+/// Decodes the selected channels.
+void decode_floats(StoredImage& stored, const std::vector<std::size_t>& channels) {
+  for (std::size_t pixel = 0; pixel < stored.floats.size(); pixel += stored.channels.size())
+    for (const std::size_t c : channels) stored.floats[pixel + c] = srgb_to_linear(stored.floats[pixel + c]);
 }
 
 /// The format of texels with one channel if `gray`.
@@ -93,9 +93,14 @@ TexelFormat format_of(bool bytes, bool halves, bool gray) {
 
 /// Converts all values to floats, decoded unless `linear`, and applies the color transform.
 void change_values(StoredImage& stored, bool linear, const BitmapDescription::ColorTransform& change) {
-  const bool decode = !linear && (stored.integers || !stored.bytes.empty());
-  if (stored.floats.empty())
-    for (const std::uint8_t byte : stored.bytes) stored.floats.push_back(static_cast<float>(byte) / 255.0f);
+  bool decode = !linear && (stored.integers || !stored.bytes.empty());
+  if (stored.floats.empty()) {
+    stored.floats.resize(stored.bytes.size());
+    std::transform(stored.bytes.begin(), stored.bytes.end(), stored.floats.begin(), [&](std::uint8_t byte) {
+      return decode ? linear_of_srgb_bytes()[byte] : static_cast<float>(byte) / 255.0f;
+    });
+    decode = false;
+  }
   stored.bytes = {};
   stored.integers = false;
   for (float& value : stored.floats) {
@@ -155,6 +160,34 @@ TiledImage prepare_tiles(int width, int height, TexelFormat format, const Source
   return image;
 }
 
+/// The pixels of an image in memory, as if read from a file.
+StoredImage stored_image(const Image& made) {
+  StoredImage stored;
+  stored.width = made.width;
+  stored.height = made.height;
+  stored.channels = made.channels;
+  stored.floats = made.data;
+  return stored;
+}
+
+/// The texture of decoded `values`, bytes or floats.
+template <class T>
+TiledImage tile_values(std::span<T> values, int width, int height, std::size_t stride,
+                       const std::vector<std::size_t>& channels, const SourceLocation& where) {
+  constexpr bool kBytes = sizeof(T) == 1;
+  bool halves = false;
+  if constexpr (!kBytes) halves = are_halves(values, stride, channels);
+  TiledImage image = prepare_tiles(width, height, format_of(kBytes, halves, channels.size() == 1), where);
+  if constexpr (!kBytes) {
+    if (halves) {
+      fill_tiles(image, values, stride, channels, float_to_half);
+      return image;
+    }
+  }
+  fill_tiles(image, values, stride, channels, std::identity{});
+  return image;
+}
+
 TiledImage tile_stored_image(StoredImage stored, const BitmapDescription& bitmap, const SourceLocation& where) {
   std::vector<std::size_t> channels = select_channels(stored.channels, bitmap.channel, where);
   if (channels.empty()) {
@@ -162,17 +195,23 @@ TiledImage tile_stored_image(StoredImage stored, const BitmapDescription& bitmap
     channels = {0};
   }
   if (bitmap.change != BitmapDescription::ColorTransform{}) change_values(stored, bitmap.is_linear(), bitmap.change);
-  const bool bytes = !stored.bytes.empty();
-  const bool halves = !bytes && prepare_floats(stored, channels, stored.integers && !bitmap.is_linear(), where);
-  TiledImage image = prepare_tiles(stored.width, stored.height, format_of(bytes, halves, channels.size() == 1), where);
-  const std::size_t stride = stored.channels.size();
-  if (bytes)
-    fill_tiles(image, stored.bytes, stride, channels, std::identity{});
-  else if (halves)
-    fill_tiles(image, stored.floats, stride, channels, float_to_half);
-  else
-    fill_tiles(image, stored.floats, stride, channels, std::identity{});
-  return image;
+  if (stored.bytes.empty())
+    check_finite(stored.width, stored.height, stored.channels, channels, where,
+                 [&](std::size_t i) { return stored.floats[i]; });
+  if (stored.bytes.empty() && stored.integers && !bitmap.is_linear()) decode_floats(stored, channels);
+  return stored.bytes.empty() ? tile_values(std::span(stored.floats), stored.width, stored.height,
+                                            stored.channels.size(), channels, where)
+                              : tile_values(std::span(stored.bytes), stored.width, stored.height,
+                                            stored.channels.size(), channels, where);
+}
+
+/// The texture of an image in memory.
+TiledImage tile_made(const Image& made, const BitmapDescription& bitmap, const SourceLocation& where) {
+  const std::vector<std::size_t> channels = select_channels(made.channels, bitmap.channel, where);
+  if (channels.empty()) return tile_stored_image(opaque_pixel(), bitmap, where);
+  if (bitmap.change != BitmapDescription::ColorTransform{}) return tile_stored_image(stored_image(made), bitmap, where);
+  check_finite(made.width, made.height, made.channels, channels, where, [&](std::size_t i) { return made.data[i]; });
+  return tile_values(std::span(made.data), made.width, made.height, made.channels.size(), channels, where);
 }
 
 /// The texture of an OpenEXR file of halves. Returns nothing for other files, and if values change.
@@ -188,24 +227,14 @@ std::optional<TiledImage> tile_halves(const BitmapDescription& bitmap, const Sou
   check_finite(halves->width, halves->height, halves->channels, channels, where,
                [&](std::size_t i) { return half_to_float(halves->values[i]); });
   TiledImage image = prepare_tiles(halves->width, halves->height, format_of(false, true, channels.size() == 1), where);
-  fill_tiles(image, halves->values, halves->channels.size(), channels, std::identity{});
+  fill_tiles(image, std::span(halves->values), halves->channels.size(), channels, std::identity{});
   return image;
-}
-
-/// The pixels of an image in memory, as if read from a file.
-StoredImage stored_image(const Image& made) {
-  StoredImage stored;
-  stored.width = made.width;
-  stored.height = made.height;
-  stored.channels = made.channels;
-  stored.floats = made.data;
-  return stored;
 }
 
 }  // namespace
 
 TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where) {
-  if (bitmap.made) return tile_stored_image(stored_image(*bitmap.made), bitmap, where);
+  if (bitmap.made) return tile_made(*bitmap.made, bitmap, where);
   if (bitmap.encoded) return tile_stored_image(read_stored_image(*bitmap.encoded), bitmap, {bitmap.encoded->name, 0});
   std::string key = bitmap.raw ? "raw texture" : "texture";
   key += fmt::format(" {}", static_cast<int>(bitmap.channel));

@@ -23,6 +23,7 @@ void move_tiles(UninitializedLargeTable<TexelTile>& from, TexelTile* to) {
 
 /// Estimated peak memory for reading an image, in bytes. Readers check large images themselves.
 double reading_bytes(const BitmapDescription& bitmap) {
+  if (bitmap.made) return static_cast<double>(bitmap.made->pixel_count() * sizeof(float) * 4);
   constexpr double kPerByte = 60;  // JPEG at 1 bit per pixel: the pixels and their tiles
   if (bitmap.encoded) return kPerByte * static_cast<double>(bitmap.encoded->bytes.size());
   std::error_code failure;
@@ -76,7 +77,7 @@ void TextureTableBuilder::read_images_ahead() {
   std::vector<ReadAhead<TiledImage>::Job> jobs;
   for (const TextureDescription& texture : textures_) {
     const auto* bitmap = std::get_if<BitmapDescription>(&texture.model);
-    if (bitmap == nullptr || bitmap->made) continue;
+    if (bitmap == nullptr) continue;
     // Byte images serve linear and decoded use: read one of the two
     ImageKey key = key_of(*bitmap);
     key.linear = !key.linear;
