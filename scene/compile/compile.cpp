@@ -1,6 +1,7 @@
 // The steps of scene compilation in order. Each subject has a compiler of its own.
 #include "scene/compile/compile.h"
 
+#include "core/color/uplift.h"
 #include "core/io/memory.h"
 #include "scene/compile/compile_camera.h"
 #include "scene/compile/compile_lights.h"
@@ -12,16 +13,24 @@
 #include "scene/compile/textures/mip_levels.h"
 #include "scene/materials/flattener.h"
 
+#include <tbb/task_group.h>
+
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <functional>
 #include <new>
+#include <optional>
 #include <span>
+#include <utility>
 
 namespace sheaf {
 
 namespace {
 
 constexpr const char* kFewerTriangles = "use fewer triangles, or instances instead of copies";
+constexpr const char* kSmallerImages = "use smaller images";
+constexpr const char* kMipLevels = "mip levels of textures";
 
 /// Runs a step. If memory runs out, throws an error that names the data and gives advice.
 template <class Step> void with_memory_for(const char* what, const char* advice, Step&& step) {
@@ -41,6 +50,31 @@ class SecondsTimer {
  private:
   double& seconds_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Work that runs beside the calling thread. Destruction waits for its end.
+class BesideTask {
+ public:
+  explicit BesideTask(std::function<void()> work) : work_(std::move(work)) {
+    group_.run([this] {
+      try {
+        work_();
+      } catch (...) { error_ = std::current_exception(); }
+    });
+  }
+  ~BesideTask() { group_.wait(); }
+  BesideTask(const BesideTask&) = delete;
+  BesideTask& operator=(const BesideTask&) = delete;
+  /// Waits for the end, and throws the exception of the work, if any.
+  void finish() {
+    group_.wait();
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::function<void()> work_;
+  std::exception_ptr error_;  ///< written by the work, read after its end
+  tbb::task_group group_;
 };
 
 /// Appends warnings.
@@ -217,10 +251,13 @@ std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const 
   MotionCompiler motion(in, scene.motion);
   CompiledCameras cameras = compile_cameras(in, settings, motion, errors);
   scene.sensor = std::move(cameras.tables);
+  // Compute the table of spectra beside everything else
+  std::optional<BesideTask> uplift;
+  if (spectra != nullptr && !in.textures.empty()) uplift.emplace([] { UpliftTable::get(); });
   // Read meshes and textures by all threads; compile textures, materials, shapes and instances
   MeshReader meshes(in);
   std::vector<PlacedGrid> texture_grids;
-  with_memory_for("textures", "use smaller images", [&] {
+  with_memory_for("textures", kSmallerImages, [&] {
     const SecondsTimer timer(report.texture_seconds);
     scene.textures = compile_textures(in.textures, &texture_grids, &errors);
   });
@@ -238,20 +275,23 @@ std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const 
   if (const Vec3d better = origin_of_mesh_files(in, geometry, origin); better != Vec3d())
     return compile_moved(moved_to(in, better), better, options, errors);
   set_geometry(geometry, naming, scene);
-  with_memory_for("mip levels of textures", "use smaller images", [&] {
-    const SecondsTimer timer(report.texture_seconds);
-    add_mip_levels(scene.materials, scene.textures);
-  });
+  std::optional<BesideTask> mip_levels;
+  with_memory_for(kMipLevels, kSmallerImages,
+                  [&] { mip_levels.emplace(add_mip_levels(scene.materials, scene.textures)); });
   scene.info.materials = in.materials.size();
   append(scene.warnings, check_attributes(in, geometry, errors, scene));
   set_bounds(geometry.bounds, cameras.at_open, motion, scene);
-  // Compile media and lights, build the acceleration structure, and trace probe rays
+  // Compile media and lights, build the acceleration structure beside the mip levels, and trace probe rays
   std::vector<PlacedGrid> grids =
       add_media_and_lights(in, geometry, materials.row_of_phase, spectra, motion, naming, errors, scene);
   errors.throw_errors();
   with_memory_for("acceleration structure", kFewerTriangles, [&] {
     const SecondsTimer timer(report.accel_seconds);
     build_accel(geometry, options, scene);
+  });
+  with_memory_for(kMipLevels, kSmallerImages, [&] {
+    const SecondsTimer timer(report.texture_seconds);
+    mip_levels->finish();
   });
   probe_media(in, geometry, cameras.at_open, scene);
   grids.insert(grids.end(), texture_grids.begin(), texture_grids.end());

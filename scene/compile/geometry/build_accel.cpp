@@ -5,6 +5,7 @@
 #include "scene/compile/geometry/kept_geometry.h"
 
 #include <algorithm>
+#include <exception>
 
 namespace sheaf {
 
@@ -27,8 +28,13 @@ LayoutChoice choose_layout(const CompileOptions& options, SceneTables& scene) {
   double bytes = kFastBytes * static_cast<double>(scene.info.triangles);
   if (options.render_bytes) {
     auto unbuilt = std::make_unique<Scene>(std::move(scene));
-    bytes += options.render_bytes(*unbuilt);
+    // Tasks beside this one refer to the rows of the tables: keep them, also after an exception
+    std::exception_ptr error;
+    try {
+      bytes += options.render_bytes(*unbuilt);
+    } catch (...) { error = std::current_exception(); }
     scene = Scene::release(std::move(unbuilt));
+    if (error) std::rethrow_exception(error);
   }
   return {bytes > available_memory() ? BvhLayout::kCompact : BvhLayout::kFast, false};
 }

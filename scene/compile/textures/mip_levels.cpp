@@ -205,12 +205,18 @@ std::size_t place_levels(const BitmapRow& bitmap, std::size_t first_tile, std::v
   return tile - first_tile;
 }
 
-void fill_levels(const BitmapRow& bitmap, TextureTables& textures) {
+/// The texels of TextureTables and of their mip levels, which do not move with the tables.
+struct TexelMemory {
+  TexelTile *tiles, *mip_tiles;
+  const MipLevel* levels;
+};
+
+void fill_levels(const BitmapRow& bitmap, const TexelMemory& memory) {
   bitmap_detail::with_format(bitmap.format, [&]<TexelFormat kFormat>() {
-    Texels<kFormat> from{&textures.tiles[bitmap.first_tile], bitmap.width, bitmap.height, bitmap.tiles_per_row};
+    Texels<kFormat> from{&memory.tiles[bitmap.first_tile], bitmap.width, bitmap.height, bitmap.tiles_per_row};
     for (std::uint32_t l = 0; l < mip_level_count(bitmap.width, bitmap.height); ++l) {
-      const MipLevel& level = textures.mip_levels[bitmap.first_level + l];
-      const Texels<kFormat> to{&textures.mip_tiles[level.first_tile], level.width, level.height, level.tiles_per_row};
+      const MipLevel& level = memory.levels[bitmap.first_level + l];
+      const Texels<kFormat> to{&memory.mip_tiles[level.first_tile], level.width, level.height, level.tiles_per_row};
       fill_level(from, to);
       from = to;
     }
@@ -219,7 +225,7 @@ void fill_levels(const BitmapRow& bitmap, TextureTables& textures) {
 
 }  // namespace
 
-void add_mip_levels(const MaterialTables& materials, TextureTables& textures) {
+std::function<void()> add_mip_levels(const MaterialTables& materials, TextureTables& textures) {
   // Textures that read the same texels in the same way share their levels
   std::map<std::pair<std::uint32_t, TexelFormat>, BitmapRow> images;
   std::size_t tiles = 0;
@@ -233,12 +239,15 @@ void add_mip_levels(const MaterialTables& materials, TextureTables& textures) {
     bitmap.first_level = known->second.first_level;
     textures.rows[i].set_data(bitmap);
   }
-  if (images.empty()) return;
+  if (images.empty()) return [] {};
   textures.mip_tile_count = tiles + 1;
   textures.mip_tiles = std::make_unique_for_overwrite<TexelTile[]>(textures.mip_tile_count);
   prefer_large_pages(textures.mip_tiles.get(), textures.mip_tile_count * sizeof(TexelTile));
   textures.mip_tiles[tiles] = {};
-  for (const auto& [key, bitmap] : images) fill_levels(bitmap, textures);
+  return [images = std::move(images),
+          memory = TexelMemory{textures.tiles.get(), textures.mip_tiles.get(), textures.mip_levels.data()}] {
+    for (const auto& [key, bitmap] : images) fill_levels(bitmap, memory);
+  };
 }
 
 }  // namespace sheaf
