@@ -232,18 +232,24 @@ void complete(CompileReport& report, std::vector<PlacedGrid> grids, const SceneT
   report.texture_bytes = (scene.textures.tile_count + scene.textures.mip_tile_count) * sizeof(TexelTile);
 }
 
-/// Compiles a description relative to a point in world space; see moved_to().
-std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const CompileOptions& options,
-                                     ErrorSink& errors) {
-  CompileReport report;
+/// A scene with its settings, and with the warnings of its description.
+SceneTables scene_without_rows(const Description& in, const SceneSettings& settings, ColorMode color, Vec3d origin) {
   SceneTables scene;
   scene.origin = origin;
-  scene.color = options.color;
-  const SceneSettings& settings = options.settings != nullptr ? *options.settings : in;
+  scene.color = color;
   scene.film = settings.film;
   scene.sampler = settings.sampler;
   scene.integrator = settings.integrator;
   scene.warnings = in.warnings;
+  return scene;
+}
+
+/// Compiles a description relative to a point in world space; see moved_to().
+std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const CompileOptions& options,
+                                     ErrorSink& errors) {
+  CompileReport report;
+  const SceneSettings& settings = options.settings != nullptr ? *options.settings : in;
+  SceneTables scene = scene_without_rows(in, settings, options.color, origin);
   std::optional<SpectrumSet> set;
   if (options.color == ColorMode::kSpectral) set.emplace();
   SpectrumSet* const spectra = set ? &*set : nullptr;
