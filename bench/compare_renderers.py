@@ -244,13 +244,13 @@ def chosen_scenes(arguments):
 
 
 def main():
+    load = machine.load()
     arguments = parse_arguments()
     scenes = arguments.scenes
     if arguments.markdown:
         arguments.markdown.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         comparison = Comparison(arguments, scenes, Path(folder))
-        load = machine.load()
         print(f"{'scene':15} {'renderer':27} {'seconds':>7} {'cpu':>7} {'process':>7} {'mse':>10} {'relative':>9} "
               f"{'mean':>7} {'reference':>9} {'MB':>6}")
         results = {}
