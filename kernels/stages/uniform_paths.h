@@ -10,7 +10,6 @@ namespace sheaf {
 /// The paths of a tile in homogeneous media.
 template <class L> struct UniformTile {
   const Slot* slots;
-  typename L::Uint medium;  ///< row
   RayState<L> ray;
   HitState<L> hit;
   PathState<L> path;
@@ -109,11 +108,15 @@ std::uint32_t track_uniform_tile(const StageContext& context, Wave& wave, const 
   const PathState<L> path = wave.paths.gather<L>(slots);
   const F end = select(hit.shape == U(kNone), medium_end<L>(scene, ray.origin, ray.direction), F(kInfinity));
   const F length = min(min(hit.t, end), F(kLongestStretch));
-  UniformTile<L> tile{slots,  medium,
-                      ray,    hit,
-                      path,   wave.rescaled_pdfs.gather<L>(slots),
-                      length, length,
-                      U(0u),  {ray.origin, F(0.0f), ray.direction, F(0.0f)}};
+  UniformTile<L> tile{slots,
+                      ray,
+                      hit,
+                      path,
+                      wave.rescaled_pdfs.gather<L>(slots),
+                      length,
+                      length,
+                      U(0u),
+                      {ray.origin, F(0.0f), ray.direction, F(0.0f)}};
   const F u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kSelect, {}, kNumberY).y;
   const Spectrum<L> lambda = tile_wavelengths<L>(scene, wave, slots);
   for_each_medium<L>(medium, lanes, [&](std::uint32_t row, Mask<L> inside) {
