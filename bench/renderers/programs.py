@@ -123,7 +123,7 @@ class Mitsuba(PythonRenderer):
                          os.environ | {"HOME": str(home)})
 
     def reads(self, scene):
-        return scene.file.suffix == ".xml" and scene.twin is None
+        return scene.file.suffix == ".xml" and not scene.twin
 
     def job(self, scene):
         return {"scene": str(scene.file), "defines": scene.defines, "variant": self.variant}

@@ -102,8 +102,8 @@ def shift(x, y, z=0.0):
     return matrix
 
 
-def scale(x, y=None, z=None):
-    return np.diag([x, x if y is None else y, x if z is None else z, 1.0])
+def scale(factor):
+    return np.diag([factor, factor, factor, 1.0])
 
 
 def turn(axis, degrees):

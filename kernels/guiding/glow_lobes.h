@@ -1,8 +1,8 @@
 // Guiding towards the glow of lights in fog, without training. Light that fog scatters once towards a point is
 // brightest around lights: at the angle a from the direction to a point light at distance D, its radiance is
-// proportional to (pi - a) / (D sin a). Surfaces beside the light, such as its post or shade, are brighter still: the
-// irradiance is that of the inverse square of their distance to the light. Hence one lobe for each group of lights
-// is steeper than the glow alone,
+// proportional to (pi - a) / (D sin a). Surfaces beside the light, such as its post or shade, are brighter still:
+// their irradiance is proportional to the inverse square of their distance to the light. Hence the lobe of each group
+// of lights is steeper than the glow,
 //     pdf(a) = (c + c0)^(-7/8) / (16 pi ((2 + c0)^(1/8) - c0^(1/8))),  c = 1 - cos a.
 // c0 widens the lobe to the size of the group.
 #pragma once

@@ -12,7 +12,6 @@ template <class L> struct ShadowTile {
   ShadowItem<L> item;
   TransmittanceItem<L> state;
   typename L::Uint shape;      ///< kNone: nothing is hit
-  typename L::Uint side;       ///< material of the side that is hit, if any
   typename L::Float t;         ///< of the hit, or 1
   typename L::Mask can_end;    ///< nothing is hit before the target
   typename L::Mask interface;  ///< a null interface is hit
