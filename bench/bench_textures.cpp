@@ -20,6 +20,7 @@ float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(st
 /// A square image of noise as texture 0, and a checkerboard of it as texture 1.
 struct NoiseImage {
   std::vector<TexelTile> tiles;
+  TexelImage image;
   TextureRow rows[2];
   TextureView view;
 
@@ -39,7 +40,8 @@ struct NoiseImage {
     rows[1].kind = kTextureKind<CheckerboardDescription>;
     rows[1].input_count = 2;  // both are texture 0
     view.rows = rows;
-    view.tiles = tiles.data();
+    image.tiles = tiles.data();
+    view.images = &image;
   }
 };
 

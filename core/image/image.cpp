@@ -157,4 +157,22 @@ StoredImage read_stored_image(const EncodedImage& image) {
   return read_stored(*reader, image.name);
 }
 
+double stored_image_bytes(const fs::path& path) {
+  const auto bytes = [](double width, double height, std::size_t channels, std::size_t value_bytes) {
+    return width * height * static_cast<double>(channels * value_bytes);
+  };
+  try {
+    check_file(path);
+    if (is_exr(path)) {
+      const ExrHeader header = read_exr_header(path);
+      const PixelRect& frame = header.frame;
+      const double width = frame.x1, height = frame.y1;
+      return bytes(width - frame.x0, height - frame.y0, header.channels.size(), sizeof(float));
+    }
+    const std::unique_ptr<ImageReader> reader = open_image(ImageSource(path), true);
+    const ImageHeader& header = reader->header();
+    return bytes(header.width, header.height, header.channels.size(), header.holds_bytes ? 1 : sizeof(float));
+  } catch (const Error&) { return 0; }
+}
+
 }  // namespace sheaf

@@ -84,4 +84,8 @@ StoredImage read_stored_image(const std::filesystem::path& path, bool raw = fals
 /// The same for a PNG, JPEG or WebP file in memory. Throws SceneError for other formats.
 StoredImage read_stored_image(const EncodedImage& image);
 
+/// The memory of the values that read_stored_image() returns for a file, in bytes, according to its header. 0 if it
+/// cannot be read.
+double stored_image_bytes(const std::filesystem::path& path);
+
 }  // namespace sheaf

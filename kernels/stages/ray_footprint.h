@@ -20,7 +20,7 @@ inline constexpr float kScatteredFootprint = 1.0f / 16;
 
 /// Whether textures are looked up with footprints. Only on camera paths: connections from lights have no pixel yet.
 inline bool has_footprints(const StageContext& context) {
-  return context.scene.textures.mip_levels != nullptr && context.pass() == PassKind::kPath;
+  return context.scene.textures.has_mip_levels && context.pass() == PassKind::kPath;
 }
 
 /// See TextureQuery.

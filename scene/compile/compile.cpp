@@ -229,7 +229,7 @@ void complete(CompileReport& report, std::vector<PlacedGrid> grids, const SceneT
   report.envmap_width = scene.lights.envmap.width;
   report.envmap_height = scene.lights.envmap.height;
   report.envmap_bytes = scene.lights.envmap.bytes();
-  report.texture_bytes = (scene.textures.tile_count + scene.textures.mip_tile_count) * sizeof(TexelTile);
+  report.texture_bytes = scene.textures.texel_bytes();
 }
 
 /// A scene with its settings, and with the warnings of its description.

@@ -66,7 +66,7 @@ inline constexpr std::size_t kMaxTexels = std::size_t{1} << 30;
 
 /// A mip level of an image: the image at 1 / 2^level of its size, rounded down. Four words, loaded together.
 template <class L> struct MipLevelRecord {
-  typename L::Uint first_tile{};  ///< into TextureView::mip_tiles
+  typename L::Uint first_tile{};  ///< into TexelImage::mip_tiles
   typename L::Uint tiles_per_row{};
   typename L::Uint width{}, height{};  ///< texels, without padding
   static constexpr auto fields(auto& s) { return std::tie(s.first_tile, s.tiles_per_row, s.width, s.height); }
@@ -140,18 +140,26 @@ struct TextureBinding {
 };
 static_assert(sizeof(TextureBinding) == 16);
 
+/// The texels of an image and of its mip levels.
+struct TexelImage {
+  const TexelTile* tiles = nullptr;      ///< followed by one tile of padding
+  const MipLevel* mip_levels = nullptr;  ///< levels 1, 2 and so on; null: the image has none
+  const TexelTile* mip_tiles = nullptr;  ///< followed by one tile of padding
+};
+
+struct TiledImage;
+
 /// Textures for kernels.
 struct TextureView {
   const TextureRow* rows = nullptr;
-  const TexelTile* tiles = nullptr;            ///< followed by one tile of padding
+  const TexelImage* images = nullptr;
   const AttributeEntry* attributes = nullptr;  ///< shape_count entries for each of TextureTables::attribute_names
   /// one or three values per vertex or face; followed by three words of padding
   const float* attribute_values = nullptr;
   const std::uint32_t* triangles = nullptr;  ///< GeometryView::triangles
   std::uint32_t shape_count = 0;
   const BrickGridRow* grids = nullptr;
-  const MipLevel* mip_levels = nullptr;  ///< null: no texture has mip levels
-  const TexelTile* mip_tiles = nullptr;  ///< followed by one tile of padding
+  bool has_mip_levels = false;  ///< of any image
 };
 
 /// Maximum nesting depth of textures that combine others. A checkerboard of constants has depth 1.
@@ -161,12 +169,9 @@ inline constexpr int kMaxTextureDepth = 8;
 struct TextureTables {
   /// One row per texture of the description, in order, followed by constants that these refer to.
   std::vector<TextureRow> rows;
-  std::unique_ptr<TexelTile[]> tiles;        ///< images one after the other, and one tile of padding
-  std::size_t tile_count = 0;                ///< including the padding
-  std::vector<MipLevel> mip_levels;          ///< those of an image in order, without the image itself
-  std::unique_ptr<TexelTile[]> mip_tiles;    ///< levels one after the other, and one tile of padding
-  std::size_t mip_tile_count = 0;            ///< including the padding
-  std::vector<std::string> attribute_names;  ///< mesh attributes in use, without duplicates
+  std::vector<TexelImage> images;  ///< images without mip levels, followed by those images again that have mip levels
+  std::vector<std::shared_ptr<TiledImage>> tiled_images;  ///< what `images` point to, in the same order
+  std::vector<std::string> attribute_names;               ///< mesh attributes in use, without duplicates
   /// Pairs of a row and the attribute that the meshes it is used on must have, an index into attribute_names.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> required_attributes;
   std::vector<AttributeEntry> attributes;
@@ -177,16 +182,16 @@ struct TextureTables {
 
   /// `triangles`: GeometryView::triangles. `shape_count`: number of shapes.
   TextureView view(const std::uint32_t* triangles, std::uint32_t shape_count) const {
-    return {rows.data(),       tiles.get(),
+    return {rows.data(),       images.data(),
             attributes.data(), attribute_values.data(),
             triangles,         attributes.empty() ? 0u : shape_count,
-            grid_rows.data(),  mip_levels.empty() ? nullptr : mip_levels.data(),
-            mip_tiles.get()};
+            grid_rows.data(),  !images.empty() && images.back().mip_levels != nullptr};
   }
+  /// Memory of the texels and mip levels in bytes.
+  std::size_t texel_bytes() const;
   /// Memory in bytes.
   std::size_t bytes() const {
-    std::size_t sum =
-        bytes_of(rows, attributes, attribute_values, mip_levels) + (tile_count + mip_tile_count) * sizeof(TexelTile);
+    std::size_t sum = bytes_of(rows, images, tiled_images, attributes, attribute_values) + texel_bytes();
     for (const BrickGrid& grid : grids) sum += grid.bytes();
     return sum;
   }

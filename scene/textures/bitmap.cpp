@@ -85,7 +85,7 @@ void BitmapDescription::make_row(TextureRowBuilder& row) const {
   TexelFormat format = image.format;
   if (format == TexelFormat::kByte1 && !is_linear()) format = TexelFormat::kSrgbByte1;
   if (format == TexelFormat::kByte4 && !is_linear()) format = TexelFormat::kSrgbByte4;
-  row.set(BitmapRow{image.first_tile, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
+  row.set(BitmapRow{image.index, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
 }
 
 }  // namespace sheaf

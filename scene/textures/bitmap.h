@@ -1,7 +1,6 @@
 // Images as textures.
 #pragma once
 
-#include "scene/tables/none.h"
 #include "scene/textures/texture.h"
 
 #include <compare>
@@ -15,13 +14,12 @@ struct Image;
 
 /// Data of an image's row.
 struct BitmapRow {
-  std::uint32_t first_tile;  ///< into TextureView::tiles
+  std::uint32_t image;  ///< into TextureView::images
   std::uint32_t tiles_per_row;
   std::uint32_t width, height;  ///< in texels, without padding; from 1 to kMaxImageSide
   TextureWrap wrap_u, wrap_v;
   TextureFilter filter;
   TexelFormat format;
-  std::uint32_t first_level = kNone;  ///< level 1 in TextureView::mip_levels; kNone: the image has no mip levels
 };
 
 /// An image from a file or from memory, repeated over the uv plane.

@@ -53,9 +53,9 @@ inline bool is_attribute_name(std::string_view name) {
   return name.starts_with("vertex_") || name.starts_with("face_");
 }
 
-/// An image in the table of tiles.
+/// An image in the table of images.
 struct PlacedImage {
-  std::uint32_t first_tile;  ///< into TextureView::tiles
+  std::uint32_t index;  ///< into TextureView::images
   std::uint32_t tiles_per_row;
   std::uint32_t width, height;  ///< texels
   TexelFormat format;           ///< bytes are kByte1 or kByte4, decoded or not

@@ -23,7 +23,7 @@ Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& tex
   // Evaluate it at the centers of the cells
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
-  const TextureView view{textures.rows.data(), textures.tiles.get()};
+  const TextureView view{textures.rows.data(), textures.images.data()};
   heights.z.reserve(heights.width * heights.height);
   for (int y = 0; y < field.height; ++y)
     for (int x = 0; x < field.width; ++x) {

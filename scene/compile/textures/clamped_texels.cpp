@@ -3,6 +3,7 @@
 #include "core/math/half.h"
 #include "scene/compile/textures/compile_textures.h"
 #include "scene/spectra/spectrum_rgb.h"
+#include "scene/tables/tiled_image.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -57,19 +58,19 @@ template <class Value, std::size_t kValues> OutOfRangeTexels out_of_range_texels
                               });
 }
 
-OutOfRangeTexels out_of_range_texels(const BitmapRow& bitmap, const TexelTile* tiles) {
-  if (holds_bytes(bitmap.format)) return {};
-  const std::size_t rows = tile_shift(bitmap.format).rows(bitmap.height);
-  const std::span<const TexelTile> own(tiles + bitmap.first_tile, rows * bitmap.tiles_per_row);
-  switch (bitmap.format) {
+OutOfRangeTexels out_of_range_texels(const TiledImage& image) {
+  const std::span<const TexelTile> own(image.tiles.data(), image.tiles.size() - 1);  // without the padding tile
+  switch (image.format) {
     case TexelFormat::kHalf1:
       return out_of_range_texels<std::uint16_t, 1>(own);
     case TexelFormat::kHalf4:
       return out_of_range_texels<std::uint16_t, 4>(own);
     case TexelFormat::kFloat1:
       return out_of_range_texels<float, 1>(own);
-    default:
+    case TexelFormat::kFloat4:
       return out_of_range_texels<float, 4>(own);
+    default:
+      return {};
   }
 }
 
@@ -134,15 +135,15 @@ std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescrip
   for (const TextureBinding& binding : bindings)
     if (binding.role == TextureRole::kReflectance) mark(textures, binding.texture, marked);
   std::vector<std::string> warnings;
-  std::map<std::uint32_t, OutOfRangeTexels> known;  // by first tile, because textures may share images
+  std::map<std::uint32_t, OutOfRangeTexels> known;  // by image, because textures may share images
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     if (!marked[i]) continue;
     if (const float largest = largest_color(textures, static_cast<std::uint32_t>(i)); largest > 1)
       warnings.push_back(warning(descriptions[i], clamped_reflectance(largest)));
     if (textures.rows[i].kind != kTextureKind<BitmapDescription>) continue;
     const auto bitmap = textures.rows[i].data<BitmapRow>();
-    const auto [position, is_new] = known.try_emplace(bitmap.first_tile);
-    if (is_new) position->second = out_of_range_texels(bitmap, textures.tiles.get());
+    const auto [position, is_new] = known.try_emplace(bitmap.image);
+    if (is_new) position->second = out_of_range_texels(*textures.tiled_images[bitmap.image]);
     if (position->second.texels > 0) warnings.push_back(warning(descriptions[i], bitmap, position->second));
   }
   return warnings;

@@ -2,7 +2,7 @@
 
 #include "core/color/color.h"
 #include "core/math/half.h"
-#include "core/soa/large_pages.h"
+#include "scene/tables/tiled_image.h"
 #include "scene/textures/lookups/bitmap.h"
 
 #include <tbb/blocked_range.h>
@@ -39,46 +39,33 @@ std::vector<Taps> taps_of(std::uint32_t from, std::uint32_t to) {
   return taps;
 }
 
-/// Decoding and encoding of bytes.
-template <bool kSrgb> class ByteCurve {
- public:
-  static const ByteCurve& get() {
-    static const ByteCurve curve;
-    return curve;
+/// The byte below or above a value in [0, 1], whose mean over `threshold` from 0 to 1 is the value. Exact for values of
+/// bytes.
+template <class L, TexelFormat kFormat> Uint<L> encode_byte(Float<L> value, Float<L> threshold) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  using bitmap_detail::decode_byte;
+  F near = value * F(255.0f);
+  if constexpr (kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte4) {
+    // A polynomial of the square root with a maximum error of 0.2 fits the curve above its linear part
+    const F root = sqrt(value);
+    F curve(-78.939452f);
+    for (const float c : {214.908964f, -240.937741f, 369.21393f, -9.43616747f}) curve = fma(curve, root, F(c));
+    near = select(value < F(0.0031308f), value * F(255.0f * 12.92f), curve);
   }
-  float decode(std::uint8_t byte) const { return values_[byte]; }
-  /// The byte below or above, whose mean over `threshold` from 0 to 1 is the value. Exact for values of bytes.
-  std::uint8_t encode(float value, float threshold) const {
-    std::size_t byte = below_[static_cast<std::size_t>(value * kCells)];
-    while (byte < 255 && values_[byte + 1] <= value) ++byte;
-    if (byte < 255 && value - values_[byte] > threshold * (values_[byte + 1] - values_[byte])) ++byte;
-    return static_cast<std::uint8_t>(byte);
-  }
-
- private:
-  static constexpr int kCells = 1 << 12;
-
-  ByteCurve() {
-    for (std::size_t i = 0; i < 256; ++i) {
-      const float encoded = static_cast<float>(i) / 255.0f;
-      values_[i] = kSrgb ? srgb_to_linear(encoded) : encoded;
-    }
-    std::size_t byte = 0;
-    for (std::size_t cell = 0; cell <= kCells; ++cell) {
-      while (byte < 255 && values_[byte + 1] <= static_cast<float>(cell) / kCells) ++byte;
-      below_[cell] = static_cast<std::uint8_t>(byte);
-    }
-  }
-
-  std::array<float, 256> values_;
-  std::array<std::uint8_t, kCells + 1> below_;  ///< the largest byte with at most the value cell / kCells
-};
+  U byte = to_uint(near);
+  byte = select(value < decode_byte<kFormat>(byte), byte - U(1u), byte);
+  byte = select(value < decode_byte<kFormat>(byte + U(1u)), byte, byte + U(1u));
+  const F low = decode_byte<kFormat>(byte), high = decode_byte<kFormat>(byte + U(1u));
+  return select(value - low > threshold * (high - low), byte + U(1u), byte);
+}
 
 /// A number in [0, 1) from the position of a texel.
-float threshold_at(std::uint32_t x, std::uint32_t y) {
-  std::uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca77u;
-  h = (h ^ h >> 15) * 0x2c1b3c6du;
-  return static_cast<float>((h ^ h >> 13) >> 8) * 0x1p-24f;
+template <class L> Float<L> threshold_at(Uint<L> x, std::uint32_t y) {
+  using U = Uint<L>;
+  U h = (x * U(0x9e3779b1u)) ^ U(y * 0x85ebca77u);
+  h = (h ^ (h >> 15)) * U(0x2c1b3c6du);
+  return to_float((h ^ (h >> 13)) >> 8) * Float<L>(0x1p-24f);
 }
 
 /// The texels of an image or level.
@@ -86,67 +73,89 @@ template <TexelFormat kFormat> struct Texels {
   static constexpr int kChannels = texel_channels(kFormat), kStored = kChannels == 1 ? 1 : 4;
   using Value = std::conditional_t<holds_bytes(kFormat), std::uint8_t,
                                    std::conditional_t<holds_halves(kFormat), std::uint16_t, float>>;
-  using Curve = ByteCurve<kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte4>;
 
   TexelTile* tiles;
   std::uint32_t width, height, tiles_per_row;
 
-  /// The channels of a texel. `row`: row_index().
-  Value* at(std::size_t row, std::uint32_t x) const {
-    return reinterpret_cast<Value*>(tiles) + (row + bitmap_detail::column_index<kFormat>(x)) * kStored;
+  /// The channels of a texel. `row`: row().
+  Value* at(std::uint32_t row, std::uint32_t x) const {
+    return reinterpret_cast<Value*>(tiles) + std::size_t{row + bitmap_detail::column_index<kFormat>(x)} * kStored;
   }
-  std::size_t row(std::uint32_t y) const {
-    return bitmap_detail::row_index<kFormat>(std::size_t{y}, std::size_t{tiles_per_row});
+  /// The contribution of a row to the indices of its texels.
+  std::uint32_t row(std::uint32_t y) const { return bitmap_detail::row_index<kFormat>(y, tiles_per_row); }
+};
+
+/// Row `y` of a level, and the rows of the previous level that it covers.
+template <TexelFormat kFormat> struct LevelRow {
+  Texels<kFormat> from, to;
+  std::uint32_t y;
+  const Taps& taps;
+  std::uint32_t row, source_rows[3];
+
+  LevelRow(const Texels<kFormat>& previous, const Texels<kFormat>& level, const Taps& rows, std::uint32_t index)
+      : from(previous), to(level), y(index), taps(rows), row(level.row(index)), source_rows{} {
+    for (std::uint32_t j = 0; j < rows.count; ++j) source_rows[j] = previous.row(rows.first + j);
   }
 };
 
-/// The linear value of a channel, and its storage.
-template <TexelFormat kFormat> float decode(typename Texels<kFormat>::Value value) {
-  if constexpr (holds_bytes(kFormat))
-    return Texels<kFormat>::Curve::get().decode(value);
-  else if constexpr (holds_halves(kFormat))
-    return half_to_float(value);
-  else
-    return value;
-}
-template <TexelFormat kFormat> auto encode(float value, [[maybe_unused]] float threshold) {
-  if constexpr (holds_bytes(kFormat))
-    return Texels<kFormat>::Curve::get().encode(std::min(value, 1.0f), threshold);
-  else if constexpr (holds_halves(kFormat))
-    return float_to_half(value);
-  else
-    return value;
+/// Adds linear texels of the previous level, weighted, to `sum`.
+template <class L, TexelFormat kFormat>
+void add_texels(const Texels<kFormat>& from, Uint<L> index, Float<L> weight, Float<L>* sum) {
+  const auto texel = bitmap_detail::StoredTexel<L, kFormat>::load(from.tiles, index);
+  bitmap_detail::for_each_channel<kFormat>([&]<int K>() { sum[K] = fma(weight, texel.template channel<K>(), sum[K]); });
 }
 
-/// Computes row `y` of a level from the previous one. `kEven`: each texel is the mean of two by two.
-template <TexelFormat kFormat, bool kEven>
-void fill_row(const Texels<kFormat>& from, const Texels<kFormat>& to, const std::vector<Taps>& columns,
-              const Taps& rows, std::uint32_t y) {
+/// Stores one texel per lane from column x on.
+template <class L, TexelFormat kFormat>
+void store_texels(const LevelRow<kFormat>& row, std::uint32_t x, Uint<L> columns, const Float<L>* values) {
   using T = Texels<kFormat>;
-  const std::size_t row = to.row(y);
-  std::size_t source_rows[3] = {};
-  for (std::uint32_t j = 0; j < rows.count; ++j) source_rows[j] = from.row(rows.first + j);
-  for (std::uint32_t x = 0; x < to.width; ++x) {
-    float sum[T::kChannels] = {};
-    if constexpr (kEven) {
-      // Neighbors in a row lie in one tile
-      const auto *below = from.at(source_rows[0], 2 * x), *above = from.at(source_rows[1], 2 * x);
-      for (int c = 0; c < T::kChannels; ++c)
-        sum[c] = 0.25f * (decode<kFormat>(below[c]) + decode<kFormat>(below[c + T::kStored]) +
-                          decode<kFormat>(above[c]) + decode<kFormat>(above[c + T::kStored]));
-    } else {
-      const Taps& taps = columns[x];
-      for (std::uint32_t j = 0; j < rows.count; ++j)
-        for (std::uint32_t i = 0; i < taps.count; ++i) {
-          const auto* value = from.at(source_rows[j], taps.first + i);
-          for (int c = 0; c < T::kChannels; ++c) sum[c] += rows.weight[j] * taps.weight[i] * decode<kFormat>(value[c]);
-        }
+  constexpr int kLanes = LaneArray<Float<L>>::kLanes;
+  if constexpr (holds_bytes(kFormat)) {
+    const Float<L> threshold = threshold_at<L>(columns, row.y);
+    Uint<L> packed(0u);
+    for (int c = 0; c < T::kChannels; ++c)
+      packed = packed | (encode_byte<L, kFormat>(min(values[c], Float<L>(1.0f)), threshold) << (8 * c));
+    const LaneArray<Uint<L>> words(packed);
+    for (int k = 0; k < kLanes; ++k) {
+      const std::uint32_t word = words[k];
+      std::memcpy(row.to.at(row.row, x + static_cast<std::uint32_t>(k)), &word, T::kStored);
     }
-    auto* out = to.at(row, x);
-    const float threshold = threshold_at(x, y);
-    for (int c = 0; c < T::kChannels; ++c) out[c] = encode<kFormat>(sum[c], threshold);
-    for (int c = T::kChannels; c < T::kStored; ++c) out[c] = 0;
+  } else {
+    for (int c = 0; c < T::kStored; ++c) {
+      const LaneArray<Float<L>> channel(c < T::kChannels ? values[c] : Float<L>(0.0f));
+      for (int k = 0; k < kLanes; ++k) {
+        auto& out = row.to.at(row.row, x + static_cast<std::uint32_t>(k))[c];
+        if constexpr (holds_halves(kFormat))
+          out = float_to_half(channel[k]);
+        else
+          out = channel[k];
+      }
+    }
   }
+}
+
+/// Computes texels from column x on, one per lane, as means of two by two.
+template <class L, TexelFormat kFormat> void average_four(const LevelRow<kFormat>& row, std::uint32_t x) {
+  using U = Uint<L>;
+  const U columns = U(x) + L::index();
+  const U left = bitmap_detail::column_index<kFormat>(columns << 1);  // neighbors in a row lie in one tile
+  Float<L> sum[3] = {Float<L>(0.0f), Float<L>(0.0f), Float<L>(0.0f)};
+  for (int j = 0; j < 2; ++j)
+    for (const std::uint32_t side : {0u, 1u})
+      add_texels<L, kFormat>(row.from, U(row.source_rows[j]) + left + U(side), Float<L>(0.25f), sum);
+  store_texels<L, kFormat>(row, x, columns, sum);
+}
+
+/// Computes the texel in column x from those that it covers.
+template <TexelFormat kFormat>
+void average_covered(const LevelRow<kFormat>& row, const Taps& columns, std::uint32_t x) {
+  float sum[3] = {};
+  for (std::uint32_t j = 0; j < row.taps.count; ++j)
+    for (std::uint32_t i = 0; i < columns.count; ++i) {
+      const std::uint32_t index = row.source_rows[j] + bitmap_detail::column_index<kFormat>(columns.first + i);
+      add_texels<Scalar, kFormat>(row.from, index, row.taps.weight[j] * columns.weight[i], sum);
+    }
+  store_texels<Scalar, kFormat>(row, x, x, sum);
 }
 
 template <TexelFormat kFormat> void fill_level(const Texels<kFormat>& from, const Texels<kFormat>& to) {
@@ -157,10 +166,10 @@ template <TexelFormat kFormat> void fill_level(const Texels<kFormat>& from, cons
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, (to.height + kRows - 1) / kRows), [&](const auto& range) {
     const std::uint32_t end = std::min(range.end() * kRows, to.height);
     for (std::uint32_t y = range.begin() * kRows; y < end; ++y) {
-      if (even)
-        fill_row<kFormat, true>(from, to, columns, rows[y], y);
-      else
-        fill_row<kFormat, false>(from, to, columns, rows[y], y);
+      const LevelRow<kFormat> row(from, to, rows[y], y);
+      std::uint32_t x = 0;
+      for (; even && x + kWidth <= to.width; x += kWidth) average_four<Wide>(row, x);
+      for (; x < to.width; ++x) average_covered(row, columns[x], x);
     }
   });
 }
@@ -192,61 +201,64 @@ std::vector<std::uint32_t> reflectance_images(const MaterialTables& materials, c
   return rows;
 }
 
-/// Appends the levels of an image to the table. Returns the number of their tiles.
-std::size_t place_levels(const BitmapRow& bitmap, std::size_t first_tile, std::vector<MipLevel>& levels) {
-  const TileShift shift = tile_shift(bitmap.format);
-  std::size_t tile = first_tile;
-  for (std::uint32_t l = 1; l <= mip_level_count(bitmap.width, bitmap.height); ++l) {
-    const std::uint32_t width = std::max(bitmap.width >> l, 1u), height = std::max(bitmap.height >> l, 1u);
-    const MipLevel level{static_cast<std::uint32_t>(tile), shift.columns(width), width, height};
-    levels.push_back(level);
-    tile += std::size_t{level.tiles_per_row} * shift.rows(height);
+/// The levels of an image, with space for their texels.
+std::shared_ptr<MipLevels> place_levels(const TiledImage& image) {
+  const TileShift shift = tile_shift(image.format);
+  auto out = std::make_shared<MipLevels>();
+  std::size_t tile = 0;
+  for (std::uint32_t l = 1; l <= mip_level_count(image.width, image.height); ++l) {
+    const std::uint32_t width = std::max(image.width >> l, 1u), height = std::max(image.height >> l, 1u);
+    out->levels.push_back({static_cast<std::uint32_t>(tile), shift.columns(width), width, height});
+    tile += std::size_t{shift.columns(width)} * shift.rows(height);
   }
-  return tile - first_tile;
+  out->tiles.resize(tile + 1);
+  out->tiles[tile] = {};
+  return out;
 }
 
-/// The texels of TextureTables and of their mip levels, which do not move with the tables.
-struct TexelMemory {
-  TexelTile *tiles, *mip_tiles;
-  const MipLevel* levels;
-};
-
-void fill_levels(const BitmapRow& bitmap, const TexelMemory& memory) {
-  bitmap_detail::with_format(bitmap.format, [&]<TexelFormat kFormat>() {
-    Texels<kFormat> from{&memory.tiles[bitmap.first_tile], bitmap.width, bitmap.height, bitmap.tiles_per_row};
-    for (std::uint32_t l = 0; l < mip_level_count(bitmap.width, bitmap.height); ++l) {
-      const MipLevel& level = memory.levels[bitmap.first_level + l];
-      const Texels<kFormat> to{&memory.mip_tiles[level.first_tile], level.width, level.height, level.tiles_per_row};
+/// Computes the texels of all levels, read in the given format.
+void fill_levels(TiledImage& image, TexelFormat format, MipLevels& out) {
+  bitmap_detail::with_format(format, [&]<TexelFormat kFormat>() {
+    Texels<kFormat> from{image.tiles.data(), image.width, image.height, image.tiles_per_row};
+    for (const MipLevel& level : out.levels) {
+      const Texels<kFormat> to{&out.tiles[level.first_tile], level.width, level.height, level.tiles_per_row};
       fill_level(from, to);
       from = to;
     }
   });
 }
 
+/// An image read in a format, and its levels.
+struct LevelsToFill {
+  std::shared_ptr<TiledImage> image;
+  TexelFormat format;
+  std::shared_ptr<MipLevels> levels;
+};
+
 }  // namespace
 
 std::function<void()> add_mip_levels(const MaterialTables& materials, TextureTables& textures) {
   // Textures that read the same texels in the same way share their levels
-  std::map<std::pair<std::uint32_t, TexelFormat>, BitmapRow> images;
-  std::size_t tiles = 0;
+  std::map<std::pair<std::uint32_t, TexelFormat>, std::uint32_t> with_levels;
+  std::vector<LevelsToFill> to_fill;
   for (const std::uint32_t i : reflectance_images(materials, textures)) {
     auto bitmap = textures.rows[i].data<BitmapRow>();
-    const auto [known, is_new] = images.try_emplace({bitmap.first_tile, bitmap.format}, bitmap);
+    const auto index = static_cast<std::uint32_t>(textures.images.size());
+    const auto [known, is_new] = with_levels.try_emplace({bitmap.image, bitmap.format}, index);
     if (is_new) {
-      known->second.first_level = static_cast<std::uint32_t>(textures.mip_levels.size());
-      tiles += place_levels(bitmap, tiles, textures.mip_levels);
+      const std::shared_ptr<TiledImage> image = textures.tiled_images[bitmap.image];
+      std::shared_ptr<MipLevels>& levels = bitmap.format == image->format ? image->mip_levels : image->srgb_mip_levels;
+      if (!levels) levels = place_levels(*image);
+      textures.images.push_back({image->tiles.data(), levels->levels.data(), levels->tiles.data()});
+      textures.tiled_images.push_back(image);
+      to_fill.push_back({image, bitmap.format, levels});
     }
-    bitmap.first_level = known->second.first_level;
+    bitmap.image = known->second;
     textures.rows[i].set_data(bitmap);
   }
-  if (images.empty()) return [] {};
-  textures.mip_tile_count = tiles + 1;
-  textures.mip_tiles = std::make_unique_for_overwrite<TexelTile[]>(textures.mip_tile_count);
-  prefer_large_pages(textures.mip_tiles.get(), textures.mip_tile_count * sizeof(TexelTile));
-  textures.mip_tiles[tiles] = {};
-  return [images = std::move(images),
-          memory = TexelMemory{textures.tiles.get(), textures.mip_tiles.get(), textures.mip_levels.data()}] {
-    for (const auto& [key, bitmap] : images) fill_levels(bitmap, memory);
+  return [to_fill = std::move(to_fill)] {
+    for (const LevelsToFill& to : to_fill)
+      std::call_once(to.levels->is_filled, [&to] { fill_levels(*to.image, to.format, *to.levels); });
   };
 }
 

@@ -8,6 +8,7 @@
 #include "core/image/image_channels.h"
 #include "core/io/file_cache.h"
 #include "core/io/memory.h"
+#include "core/io/parallel_ranges.h"
 #include "core/math/half.h"
 #include "core/soa/large_pages.h"
 
@@ -24,33 +25,79 @@ namespace sheaf {
 
 namespace {
 
-/// Moves the selected `channels` of the image's `values` into texels of one or four values, converted by `convert`.
-/// Writes tiles and releases values row by row, so that most of the image exists only once. Constant values stay.
-template <class T, class Convert>
-void fill_tiles(TiledImage& image, std::span<T> values, std::size_t stride, const std::vector<std::size_t>& channels,
-                Convert&& convert) {
-  using Texel = std::decay_t<decltype(convert(values[0]))>;
-  const std::size_t texel_bytes = (channels.size() == 1 ? 1 : 4) * sizeof(Texel);
-  const TileShift shift = tile_shift(image.format);
-  const std::size_t x_mask = (std::size_t{1} << shift.x) - 1, y_mask = (std::size_t{1} << shift.y) - 1;
-  const std::size_t row_values = image.width * stride;
-  [[maybe_unused]] std::size_t end = values.size();  // of the values that are not released
-  for (std::size_t y = 0; y < image.height; ++y) {
-    TexelTile* const tiles = &image.tiles[(y >> shift.y) * image.tiles_per_row];
-    if ((y & y_mask) == 0) std::fill_n(tiles, image.tiles_per_row, TexelTile{});
-    const T* const pixels = &values[(image.height - 1 - y) * row_values];
-    for (std::size_t x = 0; x < image.width; ++x) {
-      Texel copy[4] = {};
-      for (std::size_t k = 0; k < channels.size(); ++k) copy[k] = convert(pixels[x * stride + channels[k]]);
-      const std::size_t texel = ((y & y_mask) << shift.x) + (x & x_mask);
-      std::memcpy(tiles[x >> shift.x].bytes + texel * texel_bytes, copy, texel_bytes);
+/// The values of an image from which texels are made: `channels` of each pixel of `stride` values.
+template <class T> struct PixelValues {
+  std::span<T> values;  ///< rows from the top
+  std::size_t stride;
+  const std::vector<std::size_t>& channels;
+};
+
+/// Stores a row of texels of one or four values, converted by `convert`. `channel_at(k)`: the k-th selected channel; a
+/// function, because constants make the loop fast.
+template <int kChannels, class T, class Channel, class Convert>
+void store_pixels(T* pixels, std::size_t stride, std::size_t width, TileShift shift, TexelTile* tiles,
+                  std::size_t row_of_tile, Channel&& channel_at, Convert&& convert) {
+  using Texel = std::decay_t<decltype(convert(*pixels))>;
+  constexpr std::size_t kValues = kChannels == 1 ? 1 : 4, kBytes = kValues * sizeof(Texel);
+  const std::size_t columns = std::size_t{1} << shift.x, row_bytes = columns * kBytes;
+  for (std::size_t x = 0; x < width; x += columns) {
+    std::uint8_t* out = tiles[x >> shift.x].bytes + row_of_tile * row_bytes;
+    const std::size_t end = std::min(x + columns, width);
+    for (std::size_t at = x; at < end; ++at, out += kBytes) {
+      Texel texel[kValues] = {};
+      for (int k = 0; k < kChannels; ++k) texel[k] = convert(pixels[at * stride + channel_at(k)]);
+      std::memcpy(out, texel, kBytes);
     }
+  }
+}
+
+/// Stores a row of texels.
+template <class T, class Convert>
+void store_row(const PixelValues<T>& from, T* pixels, std::size_t width, TileShift shift, TexelTile* tiles,
+               std::size_t row_of_tile, Convert&& convert) {
+  const auto& channels = from.channels;
+  const auto in_order = [](int k) { return static_cast<std::size_t>(k); };
+  const auto any_order = [&](int k) { return channels[static_cast<std::size_t>(k)]; };
+  const bool is_rgb = channels.size() == 3 && channels[0] == 0 && channels[1] == 1 && channels[2] == 2;
+  const auto store = [&]<int kChannels>(std::size_t stride, auto&& channel_at) {
+    store_pixels<kChannels>(pixels, stride, width, shift, tiles, row_of_tile, channel_at, convert);
+  };
+  if (channels.size() == 1)
+    store.template operator()<1>(from.stride, any_order);
+  else if (is_rgb && from.stride == 3)
+    store.template operator()<3>(3, in_order);
+  else if (is_rgb && from.stride == 4)
+    store.template operator()<3>(4, in_order);
+  else
+    store.template operator()<3>(from.stride, any_order);
+}
+
+/// Makes the texels of an image, by all threads. Releases values, unless they are const, after every band of rows, so
+/// that most of the image exists only once.
+template <class T, class Convert> void fill_tiles(TiledImage& image, const PixelValues<T>& from, Convert&& convert) {
+  const TileShift shift = tile_shift(image.format);
+  const std::size_t tile_rows = shift.rows(image.height), row_values = image.width * from.stride;
+  const auto row_at = [&](std::size_t y) { return &from.values[(image.height - 1 - y) * row_values]; };
+  const auto fill = [&](std::size_t begin, std::size_t end) {
+    std::fill_n(&image.tiles[begin * image.tiles_per_row], (end - begin) * image.tiles_per_row, TexelTile{});
+    for (std::size_t y = begin << shift.y; y < std::min<std::size_t>(end << shift.y, image.height); ++y)
+      store_row(from, row_at(y), image.width, shift, &image.tiles[(y >> shift.y) * image.tiles_per_row],
+                y & ((std::size_t{1} << shift.y) - 1), convert);
+  };
+  constexpr std::size_t kBandBytes = std::size_t{64} << 20, kGrainBytes = std::size_t{1} << 20;
+  const auto rows_of = [&](std::size_t bytes) {
+    return std::max<std::size_t>(bytes / (image.tiles_per_row * sizeof(TexelTile)), 1);
+  };
+  for (std::size_t begin = 0; begin < tile_rows; begin += rows_of(kBandBytes)) {
+    const std::size_t end = std::min(begin + rows_of(kBandBytes), tile_rows);
+    parallel_ranges(
+        end - begin, [&](std::size_t first, std::size_t last) { fill(begin + first, begin + last); },
+        rows_of(kGrainBytes));
     if constexpr (!std::is_const_v<T>) {
       constexpr std::size_t kReleased = std::size_t{4} << 20;
-      const std::size_t begin = (image.height - 1 - y) * row_values;
-      if ((end - begin) * sizeof(T) < kReleased) continue;
-      release_pages(&values[begin], (end - begin) * sizeof(T));
-      end = begin;
+      const std::size_t rows = std::min<std::size_t>(end << shift.y, image.height) - (begin << shift.y);
+      const std::size_t bytes = rows * row_values * sizeof(T);
+      if (bytes >= kReleased) release_pages(row_at((begin << shift.y) + rows - 1), bytes);
     }
   }
 }
@@ -156,7 +203,8 @@ TiledImage prepare_tiles(int width, int height, TexelFormat format, const Source
       fmt::format("{} of {} x {} pixels",
                   where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file), width, height),
       {&texels, 1});
-  image.tiles.resize(tiles);
+  image.tiles.resize(tiles + 1);
+  image.tiles[tiles] = {};
   return image;
 }
 
@@ -180,11 +228,11 @@ TiledImage tile_values(std::span<T> values, int width, int height, std::size_t s
   TiledImage image = prepare_tiles(width, height, format_of(kBytes, halves, channels.size() == 1), where);
   if constexpr (!kBytes) {
     if (halves) {
-      fill_tiles(image, values, stride, channels, float_to_half);
+      fill_tiles(image, PixelValues<T>{values, stride, channels}, float_to_half);
       return image;
     }
   }
-  fill_tiles(image, values, stride, channels, std::identity{});
+  fill_tiles(image, PixelValues<T>{values, stride, channels}, std::identity{});
   return image;
 }
 
@@ -227,23 +275,25 @@ std::optional<TiledImage> tile_halves(const BitmapDescription& bitmap, const Sou
   check_finite(halves->width, halves->height, halves->channels, channels, where,
                [&](std::size_t i) { return half_to_float(halves->values[i]); });
   TiledImage image = prepare_tiles(halves->width, halves->height, format_of(false, true, channels.size() == 1), where);
-  fill_tiles(image, std::span(halves->values), halves->channels.size(), channels, std::identity{});
+  fill_tiles(image, PixelValues<std::uint16_t>{halves->values, halves->channels.size(), channels}, std::identity{});
   return image;
 }
 
 }  // namespace
 
-TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where) {
-  if (bitmap.made) return tile_made(*bitmap.made, bitmap, where);
-  if (bitmap.encoded) return tile_stored_image(read_stored_image(*bitmap.encoded), bitmap, {bitmap.encoded->name, 0});
+std::shared_ptr<TiledImage> load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where) {
+  const auto shared = [](TiledImage image) { return std::make_shared<TiledImage>(std::move(image)); };
+  if (bitmap.made) return shared(tile_made(*bitmap.made, bitmap, where));
+  if (bitmap.encoded)
+    return shared(tile_stored_image(read_stored_image(*bitmap.encoded), bitmap, {bitmap.encoded->name, 0}));
   std::string key = bitmap.raw ? "raw texture" : "texture";
   key += fmt::format(" {}", static_cast<int>(bitmap.channel));
   for (const float value : {bitmap.change.scale, bitmap.change.invert ? 1.0f : 0.0f, bitmap.change.exponent})
     key += fmt::format(" {}", std::bit_cast<std::uint32_t>(value));
   return cached(bitmap.file, key, [&] {
     const SourceLocation file{bitmap.file.string(), 0};
-    if (std::optional<TiledImage> image = tile_halves(bitmap, file)) return *std::move(image);
-    return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, file);
+    if (std::optional<TiledImage> image = tile_halves(bitmap, file)) return shared(*std::move(image));
+    return shared(tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, file));
   });
 }
 

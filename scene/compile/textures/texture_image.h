@@ -1,19 +1,10 @@
 // Reads an image for use as a texture: selects channels, decodes values, and arranges them in tiles.
 #pragma once
 
-#include "core/soa/large_table.h"
-#include "scene/tables/texture.h"
+#include "scene/tables/tiled_image.h"
 #include "scene/textures/bitmap.h"
 
 namespace sheaf {
-
-/// An image divided into tiles.
-struct TiledImage {
-  std::uint32_t width = 0, height = 0;  ///< texels
-  std::uint32_t tiles_per_row = 0;
-  TexelFormat format = TexelFormat::kByte1;  ///< bytes are kByte1 or kByte4, decoded or not
-  UninitializedLargeTable<TexelTile> tiles;
-};
 
 /// Reads the image of a bitmap: its file, or `encoded` or `made` if set. Gray (with or without alpha) and single
 /// channels become one channel, and colors become four, the last of which is zero. Alpha is dropped from colors and
@@ -23,6 +14,6 @@ struct TiledImage {
 /// converted to Rec.709 if the file declares another color space. With a `change`, all data becomes floats, decoded
 /// unless is_linear(), and transformed. Throws SceneError if the image is missing, broken or too large, or has unknown
 /// channels or non-finite values; for `made`, at `where`. A FileCache keeps images of files.
-TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where);
+std::shared_ptr<TiledImage> load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where);
 
 }  // namespace sheaf

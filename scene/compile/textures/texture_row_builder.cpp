@@ -1,7 +1,6 @@
 #include "scene/compile/textures/texture_row_builder.h"
 
 #include "core/image/image.h"
-#include "core/soa/large_pages.h"
 #include "scene/compile/media/load_volume.h"
 
 #include <algorithm>
@@ -10,17 +9,6 @@ namespace sheaf {
 
 namespace {
 
-/// Copies tiles and frees their memory progressively, so that the tiles exist only once.
-void move_tiles(UninitializedLargeTable<TexelTile>& from, TexelTile* to) {
-  constexpr std::size_t kBlock = std::size_t{32} << 14;  // tiles, 32 MiB
-  for (std::size_t begin = 0; begin < from.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, from.size() - begin);
-    std::copy_n(&from[begin], count, to + begin);
-    release_pages(&from[begin], count * sizeof(TexelTile));
-  }
-  from = {};
-}
-
 /// Estimated peak memory for reading an image, in bytes. Readers check large images themselves.
 double reading_bytes(const BitmapDescription& bitmap) {
   if (bitmap.made) return static_cast<double>(bitmap.made->pixel_count() * sizeof(float) * 4);
@@ -28,7 +16,13 @@ double reading_bytes(const BitmapDescription& bitmap) {
   if (bitmap.encoded) return kPerByte * static_cast<double>(bitmap.encoded->bytes.size());
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(bitmap.file, failure);
-  return failure ? 0 : kPerByte * static_cast<double>(size);
+  if (failure) return 0;
+  // The headers of large files give a better estimate: the pixels, and tiles of up to four values per pixel
+  constexpr double kLarge = 1 << 20, kCopies = 2.5;
+  const auto by_size = kPerByte * static_cast<double>(size);
+  if (static_cast<double>(size) < kLarge) return by_size;
+  const double values = stored_image_bytes(bitmap.file);
+  return values > 0 ? std::min(by_size, kCopies * values) : by_size;
 }
 
 }  // namespace
@@ -53,8 +47,9 @@ std::uint32_t TextureTableBuilder::row_of(const SpectrumInput& input, const Text
 }
 
 PlacedImage TextureTableBuilder::image(const BitmapDescription& bitmap, const TextureDescription& texture) {
-  const auto& [image, first_tile] = images_[image_index(bitmap, texture)];
-  return {static_cast<std::uint32_t>(first_tile), image.tiles_per_row, image.width, image.height, image.format};
+  const std::size_t index = image_index(bitmap, texture);
+  const TiledImage& image = *out_.tiled_images[index];
+  return {static_cast<std::uint32_t>(index), image.tiles_per_row, image.width, image.height, image.format};
 }
 
 TextureTableBuilder::TextureTableBuilder(const std::vector<TextureDescription>& textures) : textures_(textures) {
@@ -74,7 +69,7 @@ TextureTableBuilder::ImageKey TextureTableBuilder::key_of(const BitmapDescriptio
 }
 
 void TextureTableBuilder::read_images_ahead() {
-  std::vector<ReadAhead<TiledImage>::Job> jobs;
+  std::vector<ReadAhead<std::shared_ptr<TiledImage>>::Job> jobs;
   for (const TextureDescription& texture : textures_) {
     const auto* bitmap = std::get_if<BitmapDescription>(&texture.model);
     if (bitmap == nullptr) continue;
@@ -89,15 +84,18 @@ void TextureTableBuilder::read_images_ahead() {
   ahead_.emplace(std::move(jobs), read_ahead_bytes());
 }
 
-/// Index in images_. Byte images without a color transform are shared between linear and decoded use; float images
-/// are not.
+/// Index in TextureTables::images. Byte images without a color transform are shared between linear and decoded use;
+/// float images are not.
 std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
   ImageKey key = key_of(bitmap);
   const auto known = index_of_.find(key);
   if (known != index_of_.end()) return known->second;
   const auto job = job_of_.find(key);
-  const std::size_t index = add_image(job != job_of_.end() ? ahead_->take(job->second) : load(bitmap, texture));
-  const bool is_shared = bitmap.made || holds_bytes(images_[index].image.format);
+  const std::shared_ptr<TiledImage> image = job != job_of_.end() ? ahead_->take(job->second) : load(bitmap, texture);
+  const std::size_t index = out_.images.size();
+  out_.images.push_back({image->tiles.data()});
+  out_.tiled_images.push_back(image);
+  const bool is_shared = bitmap.made || holds_bytes(image->format);
   for (const bool linear : {false, true})
     if (linear == bitmap.is_linear() || is_shared) {
       key.linear = linear;
@@ -106,18 +104,12 @@ std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, co
   return index;
 }
 
-TiledImage TextureTableBuilder::load(const BitmapDescription& bitmap, const TextureDescription& texture) {
+std::shared_ptr<TiledImage> TextureTableBuilder::load(const BitmapDescription& bitmap,
+                                                      const TextureDescription& texture) {
   if (bitmap.made) return load_tiled_image(bitmap, texture.where);
   try {
     return load_tiled_image(bitmap, texture.where);
   } catch (const SceneError& problem) { throw error(texture, problem.what(), problem.code()); }
-}
-
-std::size_t TextureTableBuilder::add_image(TiledImage image) {
-  const std::size_t first_tile = tile_count_;
-  tile_count_ += image.tiles.size();
-  images_.push_back({std::move(image), first_tile});
-  return images_.size() - 1;
 }
 
 std::uint32_t TextureTableBuilder::grid(const GridVolumeDescription& grid, const TextureDescription& texture) {
@@ -137,18 +129,7 @@ std::uint32_t TextureTableBuilder::attribute(const std::string& name) {
   return index;
 }
 
-/// Joins the tiles of all images in one table.
-void TextureTableBuilder::join_images() {
-  if (tile_count_ >= std::size_t{1} << 32) throw SceneError("the scene's textures take more than 256 GiB");
-  out_.tile_count = tile_count_ + 1;
-  out_.tiles = std::make_unique_for_overwrite<TexelTile[]>(out_.tile_count);
-  prefer_large_pages(out_.tiles.get(), out_.tile_count * sizeof(TexelTile));
-  for (LoadedImage& loaded : images_) move_tiles(loaded.image.tiles, &out_.tiles[loaded.first_tile]);
-  out_.tiles[tile_count_] = {};
-}
-
 TextureTables TextureTableBuilder::finish(std::vector<PlacedGrid>* grids) {
-  join_images();
   for (std::size_t i = 0; i < out_.grids.size(); ++i) {
     const GridVolumeDescription& from = *grids_[i].description;
     const SourceLocation& where = grids_[i].texture->where;

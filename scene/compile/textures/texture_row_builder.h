@@ -51,10 +51,6 @@ class TextureTableBuilder {
     BitmapDescription::ColorTransform change = {};
     friend auto operator<=>(const ImageKey&, const ImageKey&) = default;
   };
-  struct LoadedImage {
-    TiledImage image;
-    std::size_t first_tile;
-  };
   struct Grid {
     const GridVolumeDescription* description;
     const TextureDescription* texture;
@@ -64,16 +60,12 @@ class TextureTableBuilder {
   static ImageKey key_of(const BitmapDescription& bitmap);
   void read_images_ahead();
   std::size_t image_index(const BitmapDescription& bitmap, const TextureDescription& texture);
-  static TiledImage load(const BitmapDescription& bitmap, const TextureDescription& texture);
-  std::size_t add_image(TiledImage image);
-  void join_images();
+  static std::shared_ptr<TiledImage> load(const BitmapDescription& bitmap, const TextureDescription& texture);
 
   const std::vector<TextureDescription>& textures_;
-  std::vector<LoadedImage> images_;
-  std::size_t tile_count_ = 0;
-  std::map<ImageKey, std::size_t> index_of_;
-  std::map<ImageKey, std::size_t> job_of_;  ///< of the images that are read ahead and not taken yet
-  std::optional<ReadAhead<TiledImage>> ahead_;
+  std::map<ImageKey, std::size_t> index_of_;  ///< in TextureTables::images
+  std::map<ImageKey, std::size_t> job_of_;    ///< of the images that are read ahead and not taken yet
+  std::optional<ReadAhead<std::shared_ptr<TiledImage>>> ahead_;
   std::vector<Grid> grids_;
   TextureTables out_;
 };

@@ -91,19 +91,15 @@ template <class L> struct TexelGrid {
 
 template <class L> SHEAF_INLINE TexelGrid<L> base_grid(const TextureView& view, const BitmapRow& bitmap) {
   using U = typename L::Uint;
-  return {view.tiles + bitmap.first_tile, {U(0u), U(bitmap.tiles_per_row), U(bitmap.width), U(bitmap.height)}};
+  return {view.images[bitmap.image].tiles, {U(0u), U(bitmap.tiles_per_row), U(bitmap.width), U(bitmap.height)}};
 }
 
 /// Mip levels >= 1, one for each lane.
 template <class L>
 SHEAF_INLINE TexelGrid<L> mip_grid(const TextureView& view, const BitmapRow& bitmap, typename L::Uint level) {
   using U = typename L::Uint;
-  // Levels of one image fit 32-bit indices of texels; their tiles count from the first level
-  const MipLevel& first = view.mip_levels[bitmap.first_level];
-  TexelGrid<L> grid{view.mip_tiles + first.first_tile,
-                    gather_rows<L>(view.mip_levels + bitmap.first_level, level - U(1u))};
-  grid.extent.first_tile = grid.extent.first_tile - U(first.first_tile);
-  return grid;
+  const TexelImage& image = view.images[bitmap.image];
+  return {image.mip_tiles, gather_rows<L>(image.mip_levels, level - U(1u))};
 }
 
 /// Maximum number of points along the axis of a footprint.
@@ -270,7 +266,7 @@ SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap
     const auto x = nearest_texel<L>(bitmap.wrap_u, uv.x, bitmap.width);
     const auto y = nearest_texel<L>(bitmap.wrap_v, uv.y, bitmap.height);
     const auto index = row_index<kFormat>(y, typename L::Uint(bitmap.tiles_per_row)) + column_index<kFormat>(x);
-    const auto texel = StoredTexel<L, kFormat>::load(view.tiles + bitmap.first_tile, index);
+    const auto texel = StoredTexel<L, kFormat>::load(view.images[bitmap.image].tiles, index);
     for_each_channel<kFormat>([&]<int K>() SHEAF_LAMBDA_INLINE { out[K] = texel.template channel<K>(); });
     return;
   }
@@ -295,7 +291,8 @@ SHEAF_INLINE void lookup_level(const TextureView& view, const BitmapRow& bitmap,
 template <class L, TexelFormat kFormat>
 SHEAF_INLINE void lookup_footprint(const TextureLookup<L>& at, const BitmapRow& bitmap, typename L::Float* out) {
   using F = typename L::Float;
-  if (bitmap.first_level == kNone) return lookup_bitmap<L, kFormat>(at.view, bitmap, at.uv(), out);
+  if (at.view.images[bitmap.image].mip_levels == nullptr)
+    return lookup_bitmap<L, kFormat>(at.view, bitmap, at.uv(), out);
   const F texels = squared_texels<L>(at.row, bitmap, at.query.footprint);
   const auto level = mip_level<L>(bitmap, texels);
   FootprintPoints<L> points = footprint_points<L>(at.row, bitmap, at.uv(), at.query.footprint_axis, texels);
@@ -409,7 +406,7 @@ struct BitmapTexture {
     using U = typename L::Uint;
     const auto bitmap = row.data<BitmapRow>();
     U level(0u);
-    if (bitmap.first_level != kNone)
+    if (view.images[bitmap.image].mip_levels != nullptr)
       level = bitmap_detail::mip_level<L>(bitmap, bitmap_detail::squared_texels<L>(row, bitmap, footprint));
     const auto is_base = level == U(0u);
     const Vec2<L> at = texture_uv<L>(row, uv);

@@ -1,5 +1,7 @@
 // Reading of the formats without a library: BMP, TGA, Radiance, PBM, PGM, PPM and PFM.
 #include "core/image/image.h"
+
+#include "core/image/exr.h"
 #include "core/io/error.h"
 #include "tests/support/contains.h"
 #include "tests/support/files/image_files.h"
@@ -57,6 +59,22 @@ std::string tga(int type, int bits, int width, int height, int attributes, const
 }
 
 }  // namespace
+
+TEST_CASE("image files: the header gives the memory of the values") {
+  const TemporaryFolder folder;
+  Image image(5, 3, {"R", "G", "B", "A"});
+  image.frame_width = 8;
+  image.x0 = 1;
+  write_exr(folder / "a.exr", image, {});
+  CHECK(stored_image_bytes(folder / "a.exr") == 8 * 3 * 4 * 4);
+  write_bytes(folder / "a.bmp", bmp(2, 1, 8, 0, "\1\1\1\0\7\7\7\0"s, "\1\0\0\0"s, 2));
+  CHECK(stored_image_bytes(folder / "a.bmp") == 2);
+  write_bytes(folder / "a.pfm", "PF\n2 1\n-1\n" + std::string(24, '\0'));
+  CHECK(stored_image_bytes(folder / "a.pfm") == 2 * 3 * 4);
+  write_bytes(folder / "a.ppm", "P6 9");
+  CHECK(stored_image_bytes(folder / "a.ppm") == 0);
+  CHECK(stored_image_bytes(folder / "none.png") == 0);
+}
 
 TEST_CASE("BMP: palettes, masks and alpha") {
   CHECK(read("a", bmp(2, 1, 1, 0, kTwoColors, "\x40\0\0\0"s, 2)).bytes == Bytes{3, 2, 1, 6, 5, 4});

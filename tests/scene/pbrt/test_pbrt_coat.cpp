@@ -145,7 +145,7 @@ TEST_CASE("pbrt coats: constants and colors and textures of the base are darkene
         const TextureTables textures = compile_textures(d.textures);
         TextureView view;
         view.rows = textures.rows.data();
-        view.tiles = textures.tiles.get();
+        view.images = textures.images.data();
         const Spectrum4 seen =
             lookup_texture<Scalar>(view, static_cast<std::uint32_t>(*id), {{0.5f, 0.5f}, 0, 0, 0, 0});
         return Vec3f{seen.c0, seen.c1, seen.c2};

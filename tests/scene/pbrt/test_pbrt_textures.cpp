@@ -40,7 +40,7 @@ struct Seen {
   Vec3f at(float u, float v) const {
     TextureView view;
     view.rows = textures.rows.data();
-    view.tiles = textures.tiles.get();
+    view.images = textures.images.data();
     const Spectrum4 value = lookup_texture<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
     const float gray = lookup_scalar<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
     CHECK(gray == within(0.212639 * value.c0 + 0.715169 * value.c1 + 0.072192 * value.c2, 1e-4));
@@ -168,7 +168,7 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
       const TextureTables textures = compile_textures(d.textures);
       TextureView view;
       view.rows = textures.rows.data();
-      view.tiles = textures.tiles.get();
+      view.images = textures.images.data();
       CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == near(c.expected, 1e-3));
       // A note lists encodings without effect.
       const bool told = std::any_of(d.notes.begin(), d.notes.end(),
@@ -193,7 +193,7 @@ TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colors") 
     const TextureTables textures = compile_textures(d.textures);
     TextureView view;
     view.rows = textures.rows.data();
-    view.tiles = textures.tiles.get();
+    view.images = textures.images.data();
     return lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0});
   };
   CHECK(seen("a.exr", 0.25f) == near(0.25));

@@ -2,6 +2,8 @@
 #include "scene/compile/textures/mip_levels.h"
 
 #include "core/image/exr.h"
+#include "core/io/file_cache.h"
+#include "scene/tables/tiled_image.h"
 #include "scene/textures/lookups/bitmap.h"
 #include "tests/scene/textures/texture_lookups.h"
 #include "tests/support/capture.h"
@@ -54,11 +56,13 @@ MaterialTables materials_with(std::initializer_list<std::uint32_t> textures) {
   return materials;
 }
 
-TextureView view_with_levels(const TextureTables& textures) {
-  TextureView view = view_of(textures);
-  view.mip_levels = textures.mip_levels.data();
-  view.mip_tiles = textures.mip_tiles.get();
-  return view;
+/// The levels of a texture's image; null if it has none.
+const MipLevels* levels_of(const TextureTables& textures, std::uint32_t texture) {
+  const std::uint32_t image = textures.rows[texture].data<BitmapRow>().image;
+  const TiledImage& tiled = *textures.tiled_images[image];
+  for (const auto& levels : {tiled.mip_levels, tiled.srgb_mip_levels})
+    if (levels && levels->tiles.data() == textures.images[image].mip_tiles) return levels.get();
+  return nullptr;
 }
 
 BitmapRow row_of(const TextureTables& textures, std::uint32_t i) { return textures.rows[i].data<BitmapRow>(); }
@@ -103,11 +107,12 @@ TEST_CASE("mip levels: texels are means of the texels that they cover") {
           TextureTables textures = compile_textures({describe(make_image(folder, width, height, channels, bits), raw)});
           add_mip_levels(materials_with({0}), textures)();
           const BitmapRow bitmap = row_of(textures, 0);
-          REQUIRE(bitmap.first_level == 0);
-          REQUIRE(textures.mip_levels.size() == mip_level_count(bitmap.width, bitmap.height));
-          const TextureView view = view_with_levels(textures);
-          for (std::uint32_t level = 1; level <= textures.mip_levels.size(); ++level) {
-            const MipLevel& extent = textures.mip_levels[level - 1];
+          REQUIRE(levels_of(textures, 0) != nullptr);
+          const std::vector<MipLevel>& levels = levels_of(textures, 0)->levels;
+          REQUIRE(levels.size() == mip_level_count(bitmap.width, bitmap.height));
+          const TextureView view = view_of(textures);
+          for (std::uint32_t level = 1; level <= levels.size(); ++level) {
+            const MipLevel& extent = levels[level - 1];
             const double x_step = static_cast<double>(width) / extent.width,
                          y_step = static_cast<double>(height) / extent.height;
             // Levels of odd sizes divide the texels of the previous level, which are constant
@@ -142,7 +147,7 @@ TEST_CASE("mip levels: the rounding of bytes keeps the mean") {
   write_pnm(folder / "a.pgm", 256, 256, 1, 255, values);
   TextureTables textures = compile_textures({describe(folder / "a.pgm"), describe(folder / "a.pgm", true)});
   add_mip_levels(materials_with({0, 1}), textures)();
-  const TextureView view = view_with_levels(textures);
+  const TextureView view = view_of(textures);
   for (const std::uint32_t texture : {0u, 1u}) {
     const BitmapRow bitmap = row_of(textures, texture);
     double sum = 0;
@@ -168,12 +173,12 @@ TEST_CASE("mip levels: only bilinear images that are reflectances and nothing el
   materials.bindings.push_back({5, 4, 1, TextureRole::kScalar});
   materials.normal_maps.push_back({3});
   add_mip_levels(materials, textures)();
-  CHECK(row_of(textures, 0).first_level != kNone);
-  CHECK(row_of(textures, 1).first_level != kNone);
-  CHECK(row_of(textures, 0).first_level != row_of(textures, 1).first_level);  // decoded and not
-  for (const std::uint32_t i : {2u, 3u, 4u, 5u}) CHECK(row_of(textures, i).first_level == kNone);
-  CHECK(textures.mip_levels.size() == 6);
-  const TextureView view = view_with_levels(textures);
+  CHECK(levels_of(textures, 0) != nullptr);
+  CHECK(levels_of(textures, 1) != nullptr);
+  CHECK(levels_of(textures, 0) != levels_of(textures, 1));  // decoded and not
+  for (const std::uint32_t i : {2u, 3u, 4u, 5u}) CHECK(levels_of(textures, i) == nullptr);
+  CHECK(textures.images.size() == 1 + 2);
+  const TextureView view = view_of(textures);
   TextureQuery<Scalar> query = query_at(0.3f, 0.4f), point = query;
   query.footprint = {1, 1};
   CHECK(lookup_texture<Scalar>(view, 6, query).c0 == 0.5f * lookup_texture<Scalar>(view, 0, query).c0);
@@ -213,7 +218,7 @@ TEST_CASE("mip levels: lookups average points along the axis of the footprint") 
   TextureTables textures = compile_textures({describe(make_image(folder, 64, 32, 3, 32))});
   textures.rows[0].to_uv[1] = 0.5f;
   add_mip_levels(materials_with({0}), textures)();
-  const TextureView view = view_with_levels(textures);
+  const TextureView view = view_of(textures);
   // A footprint of two texels, moved by a number of them
   for (const auto& [texels, count] : {std::pair{0.9f, 1}, {1.1f, 2}, {5.4f, 4}, {13.8f, 8}, {40.0f, 8}}) {
     CAPTURE_BINDING(texels);
@@ -240,13 +245,30 @@ TEST_CASE("mip levels: texels are computed after the tables have moved") {
   const std::function<void()> compute = add_mip_levels(materials_with({0}), moved);
   const TextureTables elsewhere = std::move(moved);
   compute();
-  REQUIRE(elsewhere.mip_tile_count == textures.mip_tile_count);
-  const TextureView view = view_with_levels(textures), later = view_with_levels(elsewhere);
+  REQUIRE(elsewhere.texel_bytes() == textures.texel_bytes());
+  const TextureView view = view_of(textures), later = view_of(elsewhere);
   for (std::uint32_t i = 0; i < 200; ++i) {
     TextureQuery<Scalar> query = random_query(i);
     query.footprint = {0.2f, 0.1f};
     CHECK(same(lookup_texture<Scalar>(later, 0, query).c1, lookup_texture<Scalar>(view, 0, query).c1));
   }
+}
+
+TEST_CASE("mip levels: scenes that share an image through a FileCache compute its levels once") {
+  const TemporaryFolder folder;
+  const TextureDescription texture = describe(make_image(folder, 50, 30, 3, 8));
+  const FileCache cache;
+  TextureTables first = compile_textures({texture}), second = compile_textures({texture});
+  add_mip_levels(materials_with({0}), first)();
+  const std::function<void()> compute = add_mip_levels(materials_with({0}), second);
+  CHECK(first.images[0].tiles == second.images[0].tiles);
+  REQUIRE(first.images[1].mip_tiles == second.images[1].mip_tiles);
+  CHECK(first.texel_bytes() == second.texel_bytes());
+  std::uint8_t& byte = first.tiled_images[0]->srgb_mip_levels->tiles[0].bytes[0];
+  byte ^= 1;
+  const std::uint8_t changed = byte;
+  compute();
+  CHECK(byte == changed);
 }
 
 TEST_CASE("mip levels: lanes agree with single lookups, and footprints of 0 with images without levels") {
@@ -260,7 +282,7 @@ TEST_CASE("mip levels: lanes agree with single lookups, and footprints of 0 with
         TextureTables textures = compile_textures({texture});
         const TextureTables plain = compile_textures({texture});
         add_mip_levels(materials_with({0}), textures)();
-        const TextureView view = view_with_levels(textures);
+        const TextureView view = view_of(textures);
         for (std::uint32_t i = 0; i < 200; ++i)
           CHECK(lanes_agree(view, 0, [&](int k) {
             const std::uint32_t n = i * kWidth + static_cast<std::uint32_t>(k);

@@ -83,7 +83,7 @@ TiledImage load_image(const std::filesystem::path& file, bool raw) {
   BitmapDescription bitmap;
   bitmap.file = file;
   bitmap.raw = raw;
-  return load_tiled_image(bitmap, {});
+  return *load_tiled_image(bitmap, {});
 }
 
 std::string message_of(const std::function<void()>& f) {
@@ -220,7 +220,7 @@ TEST_CASE("texture: halves of OpenEXR files are read as such") {
       BitmapDescription bitmap;
       bitmap.file = folder / "a.exr";
       bitmap.channel = channel;
-      const TiledImage tiled = load_tiled_image(bitmap, {});
+      const TiledImage tiled = *load_tiled_image(bitmap, {});
       REQUIRE(tiled.format == (channel == Channel::kColor ? TexelFormat::kHalf4 : TexelFormat::kHalf1));
       REQUIRE(static_cast<int>(tiled.width) == image.frame_width);
       const int column = channel == Channel::kAlpha ? 0 : 2;
@@ -316,7 +316,7 @@ TEST_CASE("texture: compiled rows match their descriptions") {
   REQUIRE(compiled.rows[3].kind == kTextureKind<ConstantTextureDescription>);
   CHECK(compiled.rows[3].data<ConstantRow>().rgb[2] == 2.0f);
   CHECK(compiled.rows[3].data<ConstantRow>().scalar == luminance({1, 0.5f, 2}));
-  CHECK(reinterpret_cast<std::uintptr_t>(compiled.tiles.get()) % 64 == 0);
+  CHECK(reinterpret_cast<std::uintptr_t>(compiled.images[0].tiles) % 64 == 0);
 }
 
 TEST_CASE("texture: a file is loaded once for each way of reading it") {
@@ -328,14 +328,14 @@ TEST_CASE("texture: a file is loaded once for each way of reading it") {
     const TextureTables compiled = compile_textures(
         {bitmap(folder / "a.pgm", raw_first), bitmap(again, !raw_first), bitmap(folder / "b.pgm", raw_first),
          bitmap(folder / "b.pgm", !raw_first), bitmap(folder / "b.pgm", raw_first)});
-    const auto first = [&](std::size_t i) { return compiled.rows[i].data<BitmapRow>().first_tile; };
-    CHECK(first(0) == first(1));
+    const auto image = [&](std::size_t i) { return compiled.rows[i].data<BitmapRow>().image; };
+    CHECK(image(0) == image(1));
     CHECK((compiled.rows[0].data<BitmapRow>().format == TexelFormat::kSrgbByte1) == !raw_first);
     CHECK((compiled.rows[1].data<BitmapRow>().format == TexelFormat::kSrgbByte1) == raw_first);
-    CHECK(first(2) == first(4));
-    CHECK(first(2) != first(3));
-    CHECK(first(2) == 4);
-    CHECK(compiled.tile_count == 4 + 2 * 16 + 1);
+    CHECK(image(2) == image(4));
+    CHECK(image(2) != image(3));
+    CHECK(compiled.images.size() == 3);
+    CHECK(compiled.texel_bytes() == (4 + 2 * 16 + 3) * sizeof(TexelTile));  // with one tile of padding each
   }
 }
 

@@ -69,12 +69,12 @@ TEST_CASE("texture channels: bytes stay bytes, and alpha is never decoded") {
     for (const Channel channel : kChannels) descriptions.push_back(channel_of(file, channel, raw));
   const TextureTables textures = compile_textures(descriptions);
   const TextureView view = view_of(textures);
-  CHECK(textures.tile_count == 4 + 1);
+  CHECK(textures.images.size() == 4);
   for (std::uint32_t i = 0; i < 8; ++i) {
     CAPTURE(i);
     const bool linear = i >= 4 || i == 3;
     CHECK(row_of(textures, i).format == (linear ? TexelFormat::kByte1 : TexelFormat::kSrgbByte1));
-    CHECK(row_of(textures, i).first_tile == row_of(textures, i % 4).first_tile);
+    CHECK(row_of(textures, i).image == row_of(textures, i % 4).image);
     for (int x = 0; x < 2; ++x) {
       const int byte = 10 + 10 * x + 50 * static_cast<int>(i % 4);
       const TextureQuery<Scalar> query = query_at(0.25f + 0.5f * static_cast<float>(x), 0.5f);
@@ -147,11 +147,11 @@ TEST_CASE("encoded images: textures of one image share its texels") {
   red.channel = Channel::kRed;
   const TextureTables textures = compile_textures(
       {texture_of(image), texture_of(image, true), texture_of(other), texture_of(red), texture_of(image)});
-  CHECK(row_of(textures, 0).first_tile == row_of(textures, 1).first_tile);
-  CHECK(row_of(textures, 0).first_tile == row_of(textures, 4).first_tile);
-  CHECK(row_of(textures, 0).first_tile != row_of(textures, 2).first_tile);
-  CHECK(row_of(textures, 0).first_tile != row_of(textures, 3).first_tile);
-  CHECK(textures.tile_count == 3 + 1);
+  CHECK(row_of(textures, 0).image == row_of(textures, 1).image);
+  CHECK(row_of(textures, 0).image == row_of(textures, 4).image);
+  CHECK(row_of(textures, 0).image != row_of(textures, 2).image);
+  CHECK(row_of(textures, 0).image != row_of(textures, 3).image);
+  CHECK(textures.images.size() == 3);
   CHECK(row_of(textures, 0).format == TexelFormat::kSrgbByte4);
   CHECK(row_of(textures, 1).format == TexelFormat::kByte4);
   CHECK(row_of(textures, 3).format == TexelFormat::kSrgbByte1);

@@ -19,7 +19,7 @@ inline float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Sca
 inline TextureView view_of(const TextureTables& textures) {
   TextureView view;
   view.rows = textures.rows.data();
-  view.tiles = textures.tiles.get();
+  view.images = textures.images.data();
   view.grids = textures.grid_rows.data();
   return view;
 }

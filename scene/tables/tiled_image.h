@@ -1,0 +1,31 @@
+// Images as textures read them: tiles of texels, and mip levels (Williams 1983, "Pyramidal Parametrics").
+#pragma once
+
+#include "core/soa/large_table.h"
+#include "scene/tables/texture.h"
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace sheaf {
+
+/// The mip levels of an image.
+struct MipLevels {
+  std::vector<MipLevel> levels;              ///< levels 1, 2 and so on
+  UninitializedLargeTable<TexelTile> tiles;  ///< levels one after the other, and one tile of padding
+  std::once_flag is_filled;                  ///< set when the texels are computed
+};
+
+/// An image divided into tiles. Scenes that are loaded one after the other share it through a FileCache.
+struct TiledImage {
+  std::uint32_t width = 0, height = 0;  ///< texels
+  std::uint32_t tiles_per_row = 0;
+  TexelFormat format = TexelFormat::kByte1;    ///< bytes are kByte1 or kByte4, decoded or not
+  UninitializedLargeTable<TexelTile> tiles;    ///< followed by one tile of padding
+  std::shared_ptr<MipLevels> mip_levels;       ///< null until they are needed
+  std::shared_ptr<MipLevels> srgb_mip_levels;  ///< of sRGB-encoded bytes
+};
+
+}  // namespace sheaf
