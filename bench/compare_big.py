@@ -3,21 +3,26 @@
 Python and a build.
 
   bench/compare_big.py [--sheaf OLD/sheaf NEW/sheaf] [--mitsuba-python ENVIRONMENT/bin/python] [--variant scalar_rgb]
-                       [--pbrt build/pbrt] [--side 300] [--instances 500] [--runs 3]
+                       [--pbrt build/pbrt] [--side 300] [--instances 500] [--texture-side 512] [--runs 3]
+                       [--only NAME...]
 
-Writes scenes with one mesh of 2 x SIDE^2 triangles, as PLY and OBJ, and of INSTANCES instances of the PLY mesh. Every
-round renders each scene once with each program, at 1 sample in an image of 8 x 8 pixels; pbrt reads no OBJ files. Prints
-medians: wall-clock and CPU seconds of the whole process, peak memory, and the same per triangle of the mesh. Mitsuba's
-include Python's start. For 20 million triangles: --side 3162.
+Writes scenes with one mesh of 2 x SIDE^2 triangles, as PLY and OBJ, of INSTANCES instances of the PLY mesh, and of four
+images of TEXTURE-SIDE^2 pixels as textures (PNG, 8 bits, stored). Every round renders each scene once with each program, at 1
+sample in an image of 8 x 8 pixels; pbrt reads no OBJ files. Prints medians: wall-clock and CPU seconds of the whole
+process, peak memory, and the same per triangle of the mesh, or per pixel of the images. Mitsuba's include Python's
+start. For 20 million triangles and 4 GB of texels: --side 3162 --texture-side 16384.
 """
 
 import argparse
 import math
 import os
+import random
 import statistics
+import struct
 import subprocess
 import tempfile
 import time
+import zlib
 from pathlib import Path
 
 from compare_loading import ROOT, write_obj, write_ply
@@ -40,13 +45,52 @@ Sampler "independent" "integer pixelsamples" 1
 WorldBegin
 LightSource "infinite" "rgb L" [1 1 1]
 """
+IMAGES = 4
 PBRT_MESH = 'Shape "plymesh" "string filename" "mesh.ply"'
 
 
-def write_scenes(folder, side, instances):
-    """Writes the scenes and returns their files; those of pbrt have the same names."""
+def write_png(file, side, seed):
+    """Writes a square image of noise, which repeats after 64 rows, without compression."""
+    generator = random.Random(seed)
+    rows = b"".join(b"\0" + generator.randbytes(3 * side) for _ in range(64))
+    compress = zlib.compressobj(level=0)
+    with file.open("wb") as out:
+        def chunk(kind, data):
+            out.write(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
+
+        out.write(b"\x89PNG\r\n\x1a\n")
+        chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0))
+        for y in range(0, side, 64):
+            chunk(b"IDAT", compress.compress(rows[:(1 + 3 * side) * (side - y)]))
+        chunk(b"IDAT", compress.flush())
+        chunk(b"IEND", b"")
+
+
+def write_texture_scene(folder, side):
+    """Writes a scene of four squares, each with an image of its own."""
+    squares, pbrt_squares = [], []
+    for i in range(IMAGES):
+        write_png(folder / f"image{i}.png", side, i)
+        x = i * 0.25
+        squares.append(f'<shape type="rectangle"><transform name="to_world"><scale x="0.12" y="0.5"/>'
+                       f'<translate x="{x + 0.125}" y="0.5"/></transform><bsdf type="diffuse"><texture type="bitmap" '
+                       f'name="reflectance"><string name="filename" value="image{i}.png"/></texture></bsdf></shape>')
+        pbrt_squares.append(f'Texture "image{i}" "spectrum" "imagemap" "string filename" "image{i}.png"\n'
+                            f'Material "diffuse" "texture reflectance" "image{i}"\n'
+                            f'Shape "bilinearmesh" "point3 P" [{x} 0 0  {x + 0.24} 0 0  {x} 1 0  {x + 0.24} 1 0] '
+                            f'"point2 uv" [0 0 1 0 0 1 1 1]')
+    lines = "\n".join(squares)
+    (folder / "textures.xml").write_text(f"{HEAD}{lines}</scene>\n")
+    lines = "\n".join(pbrt_squares)
+    (folder / "textures.pbrt").write_text(f"{PBRT_HEAD}{lines}\n")
+
+
+def write_scenes(folder, side, instances, texture_side):
+    """Writes the scenes and returns their files with the number of triangles or pixels; those of pbrt have the same
+    names."""
     write_ply(folder / "mesh.ply", side)
     write_obj(folder / "mesh.obj", side)
+    write_texture_scene(folder, texture_side)
     columns = math.isqrt(max(instances - 1, 0)) + 1
     places = [(i % columns, i // columns) for i in range(instances)]
     placed = "\n".join(f'<shape type="instance"><ref id="group"/><transform name="to_world"><translate x="{x}" y="{y}"/>'
@@ -58,7 +102,8 @@ def write_scenes(folder, side, instances):
     placed = "\n".join(f'AttributeBegin Translate {x} {y} 0 ObjectInstance "group" AttributeEnd' for x, y in places)
     (folder / "ply.pbrt").write_text(f"{PBRT_HEAD}{PBRT_MESH}\n")
     (folder / "instances.pbrt").write_text(f'{PBRT_HEAD}ObjectBegin "group" {PBRT_MESH} ObjectEnd\n{placed}\n')
-    return [folder / f"{name}.xml" for name in scenes]
+    counts = dict.fromkeys(scenes, 2 * side ** 2) | {"textures": IMAGES * texture_side ** 2}
+    return {folder / f"{name}.xml": count for name, count in counts.items()}
 
 
 def measure(command):
@@ -93,13 +138,17 @@ def main():
     parser.add_argument("--pbrt")
     parser.add_argument("--side", type=int, default=300)
     parser.add_argument("--instances", type=int, default=500)
+    parser.add_argument("--texture-side", type=int, default=512)
     parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--only", nargs="+", help="names of scenes")
     arguments = parser.parse_args()
-    print(f"{'scene':12} {'program':44} {'wall, s':>8} {'CPU, s':>8} {'MB':>8} {'bytes/triangle':>15}")
+    print(f"{'scene':12} {'program':44} {'wall, s':>8} {'CPU, s':>8} {'MB':>8} {'bytes/element':>14}")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         programs = commands(arguments, folder)
-        for scene in write_scenes(folder, arguments.side, arguments.instances):
+        for scene, count in write_scenes(folder, arguments.side, arguments.instances, arguments.texture_side).items():
+            if arguments.only and scene.stem not in arguments.only:
+                continue
             rows = {program: [] for program in programs}
             for _ in range(arguments.runs):
                 for program, command in programs.items():
@@ -110,7 +159,7 @@ def main():
                     continue
                 wall, cpu, memory = (statistics.median(column) for column in zip(*runs))
                 print(f"{scene.stem:12} {program:44} {wall:8.2f} {cpu:8.2f} {memory * 1e-6:8.0f} "
-                      f"{memory / (2 * arguments.side ** 2):15.0f}")
+                      f"{memory / count:14.1f}")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include "core/image/exr_colors.h"
 #include "core/image/image_formats.h"
 #include "core/image/image_orientation.h"
+#include "core/image/image_rows.h"
 #include "core/image/image_source.h"
 #include "core/io/error.h"
 #include "core/io/memory.h"
@@ -155,6 +156,22 @@ StoredImage read_stored_image(const fs::path& path, bool raw) {
 StoredImage read_stored_image(const EncodedImage& image) {
   const std::unique_ptr<ImageReader> reader = open_image(ImageSource(image), true);
   return read_stored(*reader, image.name);
+}
+
+ImageRows::ImageRows(std::unique_ptr<ImageReader> reader, fs::path path)
+    : reader_(std::move(reader)), path_(std::move(path)) {}
+
+std::optional<ImageRows> ImageRows::open(const fs::path& path) {
+  check_file(path);
+  if (is_exr(path)) return std::nullopt;
+  std::unique_ptr<ImageReader> reader = open_image(ImageSource(path), true);
+  if (!reader->has_rows() || reader->header().orientation != 1) return std::nullopt;
+  return ImageRows(std::move(reader), path);
+}
+
+void ImageRows::read(int count, std::uint8_t* out) {
+  std::string problem = kImageEndsEarly;
+  if (!reader_->read_rows(count, out, problem)) refuse_image(path_, problem);
 }
 
 double stored_image_bytes(const fs::path& path) {

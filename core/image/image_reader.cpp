@@ -30,6 +30,11 @@ bool ImageReader::read(std::uint8_t* /*out*/, std::string& problem) {
   return false;
 }
 
+bool ImageReader::read_rows(int /*count*/, std::uint8_t* /*out*/, std::string& problem) {
+  problem = "the file has no rows of bytes";
+  return false;
+}
+
 void ImageReader::set_header(int width, int height, std::vector<std::string> channels) {
   header_.width = width;
   header_.height = height;

@@ -36,6 +36,10 @@ class ImageReader {
   /// bytes, or as floats. Unsigned integers become floats in [0, 1]. On failure returns false and sets `problem`.
   virtual bool read(std::uint8_t* out, std::string& problem);
   virtual bool read(float* out, std::string& problem) = 0;
+  /// Whether read_rows() can be used instead: the file holds bytes, in rows from the top.
+  virtual bool has_rows() const { return false; }
+  /// Reads the next `count` rows of bytes. On failure returns false and sets `problem`.
+  virtual bool read_rows(int count, std::uint8_t* out, std::string& problem);
 
  protected:
   void set_header(int width, int height, std::vector<std::string> channels);

@@ -112,6 +112,16 @@ class JpegReader final : public IntegerReader {
     return true;
   }
 
+  bool has_rows() const override { return true; }
+  bool read_rows(int count, std::uint8_t* out, std::string& problem) override {
+    const bool has_inks = info_.out_color_space == JCS_CMYK;
+    std::vector<unsigned char> inks(has_inks ? 4 * std::size_t{info_.image_width} : 0);
+    unsigned char* const row = has_inks ? inks.data() : nullptr;
+    if (run_jpeg(errors_, [this, count, out, row] { read_scanlines(count, out, row); })) return true;
+    problem = errors_.message;
+    return false;
+  }
+
  private:
   /// Four channels are colors of ink, which become RGB; two have no meaning.
   std::vector<std::string> channel_names() const {
@@ -133,20 +143,14 @@ class JpegReader final : public IntegerReader {
       jump_after_jpeg_error(info, "the file has too many scans");
   }
 
-  bool decode(unsigned char* out, std::string& problem) override {
-    const bool has_inks = info_.out_color_space == JCS_CMYK;
-    std::vector<unsigned char> inks(has_inks ? 4 * std::size_t{info_.image_width} : 0);
-    unsigned char* const row = has_inks ? inks.data() : nullptr;
-    if (run_jpeg(errors_, [this, out, row] { read_rows(out, row); })) return true;
-    problem = errors_.message;
-    return false;
-  }
+  bool decode(unsigned char* out, std::string& problem) override { return read_rows(header_.height, out, problem); }
 
   /// `inks`: memory for a row of CMYK; null: the file has other colors.
-  void read_rows(unsigned char* out, unsigned char* inks) {
-    jpeg_start_decompress(&info_);
+  void read_scanlines(int count, unsigned char* out, unsigned char* inks) {
+    if (!is_started_) jpeg_start_decompress(&info_);
+    is_started_ = true;
     const std::size_t row_values = header_.channels.size() * std::size_t{info_.image_width};
-    for (; info_.output_scanline < info_.output_height; out += row_values) {
+    for (int y = 0; y < count; ++y, out += row_values) {
       JSAMPROW row = inks != nullptr ? inks : out;
       jpeg_read_scanlines(&info_, &row, 1);
       if (inks != nullptr) convert_inks(inks, out);
@@ -162,6 +166,7 @@ class JpegReader final : public IntegerReader {
   JpegErrors errors_{};
   jpeg_progress_mgr progress_{};
   jpeg_decompress_struct info_{};
+  bool is_started_ = false;
 };
 
 /// Collects the bytes that libjpeg writes.

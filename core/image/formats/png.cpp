@@ -74,6 +74,17 @@ class PngReader final : public IntegerReader {
     return true;
   }
 
+  bool has_rows() const override { return header_.holds_bytes && passes_ == 1; }
+  bool read_rows(int count, std::uint8_t* out, std::string& problem) override {
+    const std::size_t row_bytes = png_get_rowbytes(png_, info_);
+    const auto read_all = [this, count, out, row_bytes] {
+      for (int y = 0; y < count; ++y) png_read_row(png_, out + static_cast<std::size_t>(y) * row_bytes, nullptr);
+    };
+    if (run_png(png_, read_all)) return true;
+    problem = message_.text;
+    return false;
+  }
+
  private:
   static void read_bytes(png_structp png, png_bytep out, std::size_t size) {
     PngReader& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
@@ -103,16 +114,9 @@ class PngReader final : public IntegerReader {
   }
 
   bool decode(unsigned char* out, std::string& problem) override {
-    if (run_png(png_, [this, out] { read_rows(out); })) return true;
-    problem = message_.text;
-    return false;
-  }
-
-  void read_rows(unsigned char* out) {
-    const std::size_t row_bytes = png_get_rowbytes(png_, info_);
     for (int pass = 0; pass < passes_; ++pass)
-      for (int y = 0; y < header_.height; ++y)
-        png_read_row(png_, out + static_cast<std::size_t>(y) * row_bytes, nullptr);
+      if (!read_rows(header_.height, out, problem)) return false;
+    return true;
   }
 
   ImageSource source_;

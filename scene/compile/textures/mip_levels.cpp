@@ -53,11 +53,14 @@ template <class L, TexelFormat kFormat> Uint<L> encode_byte(Float<L> value, Floa
     for (const float c : {214.908964f, -240.937741f, 369.21393f, -9.43616747f}) curve = fma(curve, root, F(c));
     near = select(value < F(0.0031308f), value * F(255.0f * 12.92f), curve);
   }
-  U byte = to_uint(near);
-  byte = select(value < decode_byte<kFormat>(byte), byte - U(1u), byte);
-  byte = select(value < decode_byte<kFormat>(byte + U(1u)), byte, byte + U(1u));
-  const F low = decode_byte<kFormat>(byte), high = decode_byte<kFormat>(byte + U(1u));
-  return select(value - low > threshold * (high - low), byte + U(1u), byte);
+  // The byte below, or the one before it
+  const U byte = to_uint(max(near - F(0.25f), F(0.0f)));
+  const F first = decode_byte<kFormat>(byte), second = decode_byte<kFormat>(byte + U(1u)),
+          third = decode_byte<kFormat>(byte + U(2u));
+  const auto is_first = value < second;
+  const F low = select(is_first, first, second), high = select(is_first, second, third);
+  const U below = select(is_first, byte, byte + U(1u));
+  return select(value - low > threshold * (high - low), below + U(1u), below);
 }
 
 /// A number in [0, 1) from the position of a texel.

@@ -6,6 +6,7 @@
 #include "core/image/exr_halves.h"
 #include "core/image/image.h"
 #include "core/image/image_channels.h"
+#include "core/image/image_rows.h"
 #include "core/io/file_cache.h"
 #include "core/io/memory.h"
 #include "core/io/parallel_ranges.h"
@@ -72,32 +73,50 @@ void store_row(const PixelValues<T>& from, T* pixels, std::size_t width, TileShi
     store.template operator()<3>(from.stride, any_order);
 }
 
-/// Makes the texels of an image, by all threads. Releases values, unless they are const, after every band of rows, so
-/// that most of the image exists only once.
-template <class T, class Convert> void fill_tiles(TiledImage& image, const PixelValues<T>& from, Convert&& convert) {
+/// The number of rows of tiles that take about `bytes`, at least one.
+std::size_t tile_rows_of(const TiledImage& image, std::size_t bytes) {
+  return std::max<std::size_t>(bytes / (image.tiles_per_row * sizeof(TexelTile)), 1);
+}
+constexpr std::size_t kRangeBytes = std::size_t{1} << 20;  // of one thread
+
+/// A band of rows of an image: rows of tiles [begin, end), or rows of texels [bottom, top), from the bottom.
+struct Band {
+  std::size_t begin, end, bottom, top;
+
+  Band(const TiledImage& image, std::size_t first, std::size_t last)
+      : begin(first),
+        end(last),
+        bottom(first << tile_shift(image.format).y),
+        top(std::min<std::size_t>(last << tile_shift(image.format).y, image.height)) {}
+};
+
+/// Makes the texels of a band from its values, by all threads.
+template <class T, class Convert>
+void fill_band(TiledImage& image, const Band& band, const PixelValues<T>& from, Convert&& convert) {
   const TileShift shift = tile_shift(image.format);
-  const std::size_t tile_rows = shift.rows(image.height), row_values = image.width * from.stride;
-  const auto row_at = [&](std::size_t y) { return &from.values[(image.height - 1 - y) * row_values]; };
-  const auto fill = [&](std::size_t begin, std::size_t end) {
-    std::fill_n(&image.tiles[begin * image.tiles_per_row], (end - begin) * image.tiles_per_row, TexelTile{});
-    for (std::size_t y = begin << shift.y; y < std::min<std::size_t>(end << shift.y, image.height); ++y)
-      store_row(from, row_at(y), image.width, shift, &image.tiles[(y >> shift.y) * image.tiles_per_row],
-                y & ((std::size_t{1} << shift.y) - 1), convert);
+  const auto fill = [&](std::size_t first, std::size_t last) {
+    const Band part(image, band.begin + first, band.begin + last);
+    std::fill_n(&image.tiles[part.begin * image.tiles_per_row], (last - first) * image.tiles_per_row, TexelTile{});
+    for (std::size_t y = part.bottom; y < part.top; ++y)
+      store_row(from, &from.values[(band.top - 1 - y) * image.width * from.stride], image.width, shift,
+                &image.tiles[(y >> shift.y) * image.tiles_per_row], y & ((std::size_t{1} << shift.y) - 1), convert);
   };
-  constexpr std::size_t kBandBytes = std::size_t{64} << 20, kGrainBytes = std::size_t{1} << 20;
-  const auto rows_of = [&](std::size_t bytes) {
-    return std::max<std::size_t>(bytes / (image.tiles_per_row * sizeof(TexelTile)), 1);
-  };
-  for (std::size_t begin = 0; begin < tile_rows; begin += rows_of(kBandBytes)) {
-    const std::size_t end = std::min(begin + rows_of(kBandBytes), tile_rows);
-    parallel_ranges(
-        end - begin, [&](std::size_t first, std::size_t last) { fill(begin + first, begin + last); },
-        rows_of(kGrainBytes));
+  parallel_ranges(band.end - band.begin, fill, tile_rows_of(image, kRangeBytes));
+}
+
+/// Makes the texels of an image. Releases values, unless they are const, after every band, so that most of the image
+/// exists only once.
+template <class T, class Convert> void fill_tiles(TiledImage& image, const PixelValues<T>& from, Convert&& convert) {
+  constexpr std::size_t kBandBytes = std::size_t{64} << 20, kReleased = std::size_t{4} << 20;
+  const std::size_t tile_rows = tile_shift(image.format).rows(image.height), step = tile_rows_of(image, kBandBytes),
+                    row_values = image.width * from.stride;
+  for (std::size_t begin = 0; begin < tile_rows; begin += step) {
+    const Band band(image, begin, std::min(begin + step, tile_rows));
+    const std::span<T> values =
+        from.values.subspan((image.height - band.top) * row_values, (band.top - band.bottom) * row_values);
+    fill_band(image, band, PixelValues<T>{values, from.stride, from.channels}, convert);
     if constexpr (!std::is_const_v<T>) {
-      constexpr std::size_t kReleased = std::size_t{4} << 20;
-      const std::size_t rows = std::min<std::size_t>(end << shift.y, image.height) - (begin << shift.y);
-      const std::size_t bytes = rows * row_values * sizeof(T);
-      if (bytes >= kReleased) release_pages(row_at((begin << shift.y) + rows - 1), bytes);
+      if (values.size_bytes() >= kReleased) release_pages(values.data(), values.size_bytes());
     }
   }
 }
@@ -279,6 +298,27 @@ std::optional<TiledImage> tile_halves(const BitmapDescription& bitmap, const Sou
   return image;
 }
 
+/// The texture of a file of bytes that is read in bands of rows from the top. Returns nothing for other files, and if
+/// values change.
+std::optional<TiledImage> tile_rows(const BitmapDescription& bitmap, const SourceLocation& where) {
+  if (bitmap.change != BitmapDescription::ColorTransform{}) return std::nullopt;
+  std::optional<ImageRows> rows = ImageRows::open(bitmap.file);
+  if (!rows) return std::nullopt;
+  const ImageHeader& header = rows->header();
+  const std::vector<std::size_t> channels = select_channels(header.channels, bitmap.channel, where);
+  if (channels.empty()) return std::nullopt;
+  TiledImage image = prepare_tiles(header.width, header.height, format_of(true, false, channels.size() == 1), where);
+  const std::size_t step = tile_rows_of(image, kRangeBytes), stride = header.channels.size();
+  std::vector<std::uint8_t> values;
+  for (std::size_t end = tile_shift(image.format).rows(image.height); end > 0; end -= std::min(step, end)) {
+    const Band band(image, end - std::min(step, end), end);
+    values.resize((band.top - band.bottom) * image.width * stride);
+    rows->read(static_cast<int>(band.top - band.bottom), values.data());
+    fill_band(image, band, PixelValues<std::uint8_t>{values, stride, channels}, std::identity{});
+  }
+  return image;
+}
+
 }  // namespace
 
 std::shared_ptr<TiledImage> load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where) {
@@ -293,6 +333,7 @@ std::shared_ptr<TiledImage> load_tiled_image(const BitmapDescription& bitmap, co
   return cached(bitmap.file, key, [&] {
     const SourceLocation file{bitmap.file.string(), 0};
     if (std::optional<TiledImage> image = tile_halves(bitmap, file)) return shared(*std::move(image));
+    if (std::optional<TiledImage> image = tile_rows(bitmap, file)) return shared(*std::move(image));
     return shared(tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, file));
   });
 }
