@@ -11,8 +11,8 @@ namespace {
 
 std::string with_location(const SourceLocation& where, const std::string& message) {
   if (where.file.empty()) return message;
-  if (where.line <= 0) return fmt::format("{}: {}", where.file, message);
-  return fmt::format("{}:{}: {}", where.file, where.line, message);
+  if (where.line <= 0) return fmt::format("{}: {}", where.file.string(), message);
+  return fmt::format("{}:{}: {}", where.file.string(), where.line, message);
 }
 
 /// The form of a name for comparisons: lower case, without leading dashes.
@@ -46,6 +46,11 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::size_t max_edits(std::size_t length) { return length < 2 ? 0 : std::max<std::size_t>(1, length / 3); }
 
 }  // namespace
+
+const std::string& FileName::string() const {
+  static const std::string empty;
+  return name_ != nullptr ? *name_ : empty;
+}
 
 Error::Error(ExitCode code, const SourceLocation& where, const std::string& message)
     : std::runtime_error(with_location(where, message)), exit_code_(code), where_(where) {}

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>  // also for files that throw: messages are formatted
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sheaf {
@@ -22,9 +24,24 @@ enum class ExitCode : int {
   kTerminated = 143
 };
 
+/// The name of a file, shared by all locations in it: a scene has one for each of its elements.
+class FileName {
+ public:
+  FileName() = default;
+  FileName(std::string name) : name_(name.empty() ? nullptr : std::make_shared<const std::string>(std::move(name))) {}
+  FileName(const char* name) : FileName(std::string(name)) {}
+
+  const std::string& string() const;
+  bool empty() const { return name_ == nullptr; }
+  bool operator==(const FileName& other) const { return name_ == other.name_ || string() == other.string(); }
+
+ private:
+  std::shared_ptr<const std::string> name_;  ///< null: empty
+};
+
 /// A location in a file. `line` counts from 1; 0 means the whole file.
 struct SourceLocation {
-  std::string file;
+  FileName file;
   int line = 0;
 
   bool operator==(const SourceLocation&) const = default;

@@ -82,8 +82,8 @@ RenderReport ProgressReporter::report(const SamplePlan& plan, const TaskStatisti
   report.candidates = tasks.candidates;
   add_workers(tasks.workers, plan.settings().frame, dropped_so_far(plan, tasks.workers), report, warnings);
   for (const SourceLocation& position : scene_.light_source_locations())
-    report.light_source_locations.push_back(position.line > 0 ? fmt::format("{}:{}", position.file, position.line)
-                                                              : std::string());
+    report.light_source_locations.push_back(
+        position.line > 0 ? fmt::format("{}:{}", position.file.string(), position.line) : std::string());
   return report;
 }
 

@@ -34,18 +34,14 @@ bool is_nori(const XmlElement& root) {
 
 /// Renames elements and plugins from before Mitsuba 0.3.
 void rename_old_plugins(ExpandedScene& scene) {
-  struct Name {
-    const char *element, *old, *now;
-  };
-  constexpr Name kNames[] = {
+  constexpr ExpandedScene::ElementSynonym kElements[] = {{"camera", "sensor"}, {"luminaire", "emitter"}};
+  constexpr ExpandedScene::PluginSynonym kPlugins[] = {
       {"bsdf", "lambertian", "diffuse"},        {"bsdf", "roughglass", "roughdielectric"},
       {"bsdf", "roughmetal", "roughconductor"}, {"bsdf", "composite", "mixturebsdf"},
       {"texture", "ldrtexture", "bitmap"},      {"texture", "exrtexture", "bitmap"},
       {"film", "exrfilm", "hdrfilm"},           {"film", "pngfilm", "ldrfilm"},
   };
-  scene.rename("camera", "sensor");
-  scene.rename("luminaire", "emitter");
-  for (const Name& name : kNames) scene.rename_plugin(name.element, name.old, name.now);
+  scene.rename(kElements, kPlugins);
 }
 
 /// Adds a white sky to a scene without lights, which would render black.
@@ -145,7 +141,8 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
   const bool nori = is_nori(root);
   if (nori) {
     reject_camera_choice(options);
-    scene.rename("shape", "mesh");
+    constexpr ExpandedScene::ElementSynonym kShape[] = {{"shape", "mesh"}};
+    scene.rename(kShape);
   } else {
     rename_old_plugins(scene);
   }

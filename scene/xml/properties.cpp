@@ -43,14 +43,16 @@ Properties::Properties(const XmlElement& object, ReadContext& context, const cha
     : object_(object), context_(context), is_replaced_(plugin != nullptr) {
   expect_attributes(object, {"type", "id", "name", "version"});
   type_ = plugin != nullptr ? plugin : object.attribute("type");
+  entries_.reserve(object.children.size());
   for (const XmlElement& child : object.children) add(child);
-  if (context.open.count(&object) != 0) raise(nullptr, title() + " refers to itself");
+  if (std::find(context.open.begin(), context.open.end(), &object) != context.open.end())
+    raise(nullptr, title() + " refers to itself");
   if (context.open.size() >= kMaxNesting)
     raise(nullptr, "objects are nested deeper than 100 references", SceneErrorCode::kTooLarge);
-  context.open.insert(&object);
+  context.open.push_back(&object);
 }
 
-Properties::~Properties() { context_.open.erase(&object_); }
+Properties::~Properties() { std::erase(context_.open, &object_); }
 
 void Properties::expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const {
   try {

@@ -9,7 +9,7 @@
 
 #include <map>
 #include <optional>
-#include <set>
+#include <vector>
 
 namespace sheaf {
 
@@ -45,7 +45,7 @@ struct ReadContext {
   bool exchanges_checkerboards = false;                      ///< see scalar_texture()
   std::map<const XmlElement*, SpectrumInput> textures = {};  ///< already read
   std::map<TextureId, TextureId> scalar_textures = {};       ///< already made
-  std::set<const XmlElement*> open = {};                     ///< objects being read, to detect circular references
+  std::vector<const XmlElement*> open = {};                  ///< objects being read, to detect circular references
   std::map<const XmlElement*, MediumId> media = {};          ///< already read
   /// shape groups already read: index into Description::groups
   std::map<const XmlElement*, std::uint32_t> groups = {};

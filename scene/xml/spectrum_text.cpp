@@ -65,7 +65,7 @@ SpectrumDescription::Table read_spd(const std::filesystem::path& file) {
   // Read the pairs line by line
   SpectrumDescription::Table table;
   for (std::string line; std::getline(stream, line);) {
-    if (++where.line == 1) remove_byte_order_mark(line, where.file);
+    if (++where.line == 1) remove_byte_order_mark(line, where.file.string());
     const auto parts = split_list(std::string_view(line).substr(0, line.find('#')));
     if (parts.empty()) continue;
     if (parts.size() != 2) throw SceneError(where, "expected a wavelength and a value, found " + in_quotes(line));

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 
 namespace sheaf {
 
@@ -38,8 +37,7 @@ std::string read_text(const std::filesystem::path& file) {
 class LineIndex {
  public:
   explicit LineIndex(std::string_view text) {
-    for (std::size_t i = 0; i < text.size(); ++i)
-      if (text[i] == '\n') line_ends_.push_back(i);
+    for (std::size_t i = text.find('\n'); i != text.npos; i = text.find('\n', i + 1)) line_ends_.push_back(i);
   }
   int line(std::ptrdiff_t offset) const {
     if (offset < 0) return 0;
@@ -57,12 +55,21 @@ class LineIndex {
   std::vector<std::size_t> line_ends_;
 };
 
-template <class Range> std::size_t count(const Range& range) {
-  return static_cast<std::size_t>(std::distance(range.begin(), range.end()));
+std::size_t count_attributes(const pugi::xml_node& node) {
+  std::size_t count = 0;
+  for (pugi::xml_attribute attribute = node.first_attribute(); attribute; attribute = attribute.next_attribute())
+    ++count;
+  return count;
+}
+
+std::size_t count_children(const pugi::xml_node& node) {
+  std::size_t count = 0;
+  for (pugi::xml_node child = node.first_child(); child; child = child.next_sibling()) ++count;
+  return count;
 }
 
 struct Converter {
-  std::string file;
+  FileName file;
   const char* buffer;  ///< the text, parsed in place
   LineIndex lines;
   ErrorSink& errors;
@@ -100,8 +107,8 @@ struct Converter {
       throw SceneError(element.where, fmt::format("elements are nested deeper than {} levels", kMaxDepth),
                        SceneErrorCode::kTooLarge);
     // Copy the attributes, each once
-    element.attributes.reserve(count(node.attributes()));
-    for (const pugi::xml_attribute& attribute : node.attributes()) {
+    element.attributes.reserve(count_attributes(node));
+    for (pugi::xml_attribute attribute = node.first_attribute(); attribute; attribute = attribute.next_attribute()) {
       if (element.find_attribute(attribute.name()) != nullptr) {
         const SceneError error(element.where,
                                fmt::format("attribute {} is set twice, expected once", in_quotes(attribute.name())),
@@ -116,7 +123,7 @@ struct Converter {
       place_expression(element.attributes.back(), attribute.value() - buffer);
     }
     // Convert the children, and free their nodes
-    element.children.reserve(count(node.children()));
+    element.children.reserve(count_children(node));
     for (pugi::xml_node child; (child = node.first_child()); node.remove_child(child)) {
       if (child.type() == pugi::node_element) {
         element.children.push_back(convert(child, depth + 1));
@@ -147,13 +154,14 @@ const std::string& XmlElement::attribute(std::string_view attribute_name) const 
 }
 
 void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) const {
-  const std::vector<std::string> names(allowed.begin(), allowed.end());
-  for (const XmlAttribute& a : attributes)
-    if (std::find(names.begin(), names.end(), a.name) == names.end())
-      throw SceneError(where,
-                       fmt::format("<{}> has no attribute {}{}", name, in_quotes(a.name), did_you_mean(a.name, names)),
-                       SceneErrorCode::kUnknownName)
-          .about(fmt::format("<{}>", name));
+  for (const XmlAttribute& a : attributes) {
+    if (std::find(allowed.begin(), allowed.end(), a.name) != allowed.end()) continue;
+    const std::vector<std::string> names(allowed.begin(), allowed.end());
+    throw SceneError(where,
+                     fmt::format("<{}> has no attribute {}{}", name, in_quotes(a.name), did_you_mean(a.name, names)),
+                     SceneErrorCode::kUnknownName)
+        .about(fmt::format("<{}>", name));
+  }
 }
 
 XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors) {

@@ -41,7 +41,8 @@ fs::path find_existing(const std::string& name, const std::vector<fs::path>& sea
     throw SceneError(where, missing_file(name, {}), SceneErrorCode::kMissingFile);
   }
   std::vector<fs::path> folders = search;
-  if (fs::path own = fs::path(where.file).parent_path(); std::find(search.begin(), search.end(), own) == search.end())
+  if (fs::path own = fs::path(where.file.string()).parent_path();
+      std::find(search.begin(), search.end(), own) == search.end())
     folders.push_back(own);
   for (const fs::path& folder : folders)
     if (fs::path found = existing(folder, name); !found.empty()) return found;
@@ -79,7 +80,7 @@ struct ExpandedScene::Expansion {
   void add_path(const XmlElement& element) {
     element.expect_attributes({"value"});
     const std::string& value = element.attribute("value");
-    const fs::path own = fs::path(element.where.file).parent_path();
+    const fs::path own = fs::path(element.where.file.string()).parent_path();
     fs::path folder = fs::path(value).is_absolute() ? existing({}, value) : existing(own, value);
     if (folder.empty()) folder = find_existing(value, scene.search_, element.where);
     if (!fs::is_directory(folder))
@@ -189,7 +190,7 @@ void ExpandedScene::index(const XmlElement& element, ErrorSink& errors) {
       const SourceLocation& first = it->second->where;
       const SceneError error(element.where,
                              fmt::format("id {} is already taken by <{}> in {}:{}", in_quotes(*id), it->second->name,
-                                         first.file, first.line),
+                                         first.file.string(), first.line),
                              SceneErrorCode::kDuplicate);
       errors.report(error.about(fmt::format("<{}>", element.name)), "the first one is used");
     }
@@ -209,17 +210,16 @@ void ExpandedScene::apply_aliases(ErrorSink& errors) {
   }
 }
 
-void ExpandedScene::rename(XmlElement& element, std::string_view name, std::string_view other) {
-  if (element.name == name) element.name = other;
-  for (XmlElement& child : element.children) rename(child, name, other);
-}
-
-void ExpandedScene::rename_plugin(XmlElement& at, std::string_view element, std::string_view plugin,
-                                  std::string_view other) {
-  if (at.name == element)
-    for (XmlAttribute& attribute : at.attributes)
-      if (attribute.name == "type" && attribute.value == plugin) attribute.value = other;
-  for (XmlElement& child : at.children) rename_plugin(child, element, plugin, other);
+void ExpandedScene::rename(XmlElement& element, std::span<const ElementSynonym> elements,
+                           std::span<const PluginSynonym> plugins) {
+  for (const ElementSynonym& synonym : elements)
+    if (element.name == synonym.old) element.name = synonym.now;
+  for (const PluginSynonym& synonym : plugins) {
+    if (element.name != synonym.element) continue;
+    for (XmlAttribute& attribute : element.attributes)
+      if (attribute.name == "type" && attribute.value == synonym.old) attribute.value = synonym.now;
+  }
+  for (XmlElement& child : element.children) rename(child, elements, plugins);
 }
 
 void ExpandedScene::mark_references(const XmlElement& element) {

@@ -5,7 +5,9 @@
 #include "scene/xml/xml.h"
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -34,11 +36,17 @@ class ExpandedScene {
   const XmlElement& root() const { return root_; }
   /// Messages, with file and line, about what was dropped or replaced because it could not be read.
   const std::vector<std::string>& substitutions() const { return substitutions_; }
-  /// Renames all elements with a name; for synonyms.
-  void rename(std::string_view name, std::string_view other) { rename(root_, name, other); }
-  /// Replaces a plugin of all objects with this element name; for synonyms.
-  void rename_plugin(std::string_view element, std::string_view plugin, std::string_view other) {
-    rename_plugin(root_, element, plugin, other);
+  /// Another name for an element.
+  struct ElementSynonym {
+    std::string_view old, now;
+  };
+  /// Another name for a plugin of the objects with an element name.
+  struct PluginSynonym {
+    std::string_view element, old, now;
+  };
+  /// Renames elements and plugins from their old names, in one pass over the tree.
+  void rename(std::span<const ElementSynonym> elements, std::span<const PluginSynonym> plugins = {}) {
+    rename(root_, elements, plugins);
   }
   /// The element to which `<ref id="...">` at `where` refers. Throws SceneError if it does not exist.
   const XmlElement& find(const std::string& id, const SourceLocation& where) const;
@@ -53,8 +61,8 @@ class ExpandedScene {
 
  private:
   struct Expansion;
-  static void rename(XmlElement& element, std::string_view name, std::string_view other);
-  static void rename_plugin(XmlElement& at, std::string_view element, std::string_view plugin, std::string_view other);
+  static void rename(XmlElement& element, std::span<const ElementSynonym> elements,
+                     std::span<const PluginSynonym> plugins);
   /// Resolves ids after the expansion.
   void resolve_ids(ErrorSink& errors);
   void index(const XmlElement& element, ErrorSink& errors);

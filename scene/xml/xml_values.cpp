@@ -19,6 +19,25 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// A number that was read from a text, or what was expected instead.
+struct ParsedNumber {
+  double value;
+  const char* expected = nullptr;  ///< null if the text is a number
+};
+
+ParsedNumber read_number(std::string_view text) {
+  std::string_view digits = trimmed(text);
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range) return {0, "a number in the range of a float"};
+  if (error != std::errc() || end != digits.data() + digits.size()) return {0, "a number"};
+  if (!std::isfinite(value)) return {0, "a finite number"};
+  const float narrow = static_cast<float>(value);
+  if (!std::isfinite(narrow)) return {0, "a number in the range of a float"};
+  return {narrow == 0 ? 0 : value};
+}
+
 [[noreturn]] void fail_value(std::string_view text, const SourceLocation& where, std::string_view what,
                              const char* expected) {
   throw SceneError(where, fmt::format("{} is {}, expected {}", what, in_quotes(text), expected),
@@ -107,16 +126,9 @@ std::vector<std::string_view> split_list(std::string_view text) {
 }
 
 double parse_number(std::string_view text, const SourceLocation& where, std::string_view what) {
-  std::string_view digits = trimmed(text);
-  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error == std::errc::result_out_of_range) fail_value(text, where, what, "a number in the range of a float");
-  if (error != std::errc() || end != digits.data() + digits.size()) fail_value(text, where, what, "a number");
-  if (!std::isfinite(value)) fail_value(text, where, what, "a finite number");
-  const float narrow = static_cast<float>(value);
-  if (!std::isfinite(narrow)) fail_value(text, where, what, "a number in the range of a float");
-  return narrow == 0 ? 0 : value;
+  const ParsedNumber number = read_number(text);
+  if (number.expected != nullptr) fail_value(text, where, what, number.expected);
+  return number.value;
 }
 
 float parse_float(std::string_view text, const SourceLocation& where, std::string_view what) {
@@ -169,10 +181,9 @@ Vec3d parse_vec3(std::string_view text, const SourceLocation& where, std::string
 }
 
 Vec3d parse_vec3_element(const XmlElement& element, double missing) {
-  const std::string what = "the value of " + displayed(element);
   if (const std::string* value = element.find_attribute("value")) {
     element.expect_attributes({"name", "value"});
-    return parse_vec3(*value, element.where, what);
+    return parse_vec3(*value, element.where, "the value of " + displayed(element));
   }
   element.expect_attributes({"name", "value", "x", "y", "z"});
   double result[3] = {missing, missing, missing};
@@ -180,7 +191,11 @@ Vec3d parse_vec3_element(const XmlElement& element, double missing) {
   const char* const axes[3] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i)
     if (const std::string* text = element.find_attribute(axes[i])) {
-      result[i] = parse_number(*text, element.where, fmt::format("attribute {} of {}", axes[i], displayed(element)));
+      const ParsedNumber number = read_number(*text);
+      if (number.expected != nullptr)
+        fail_value(*text, element.where, fmt::format("attribute {} of {}", axes[i], displayed(element)),
+                   number.expected);
+      result[i] = number.value;
       any = true;
     }
   if (!any) throw SceneError(element.where, displayed(element) + " needs value=\"x, y, z\" or x, y and z");

@@ -27,7 +27,7 @@ InfoJson grids_json(const CompileReport& report) {
   InfoJson grids = InfoJson::array();
   for (const PlacedGrid& grid : report.grids)
     grids.push_back({{"name", grid.name},
-                     {"where", fmt::format("{}:{}", grid.where.file, grid.where.line)},
+                     {"where", fmt::format("{}:{}", grid.where.file.string(), grid.where.line)},
                      {"min", vector_json(grid.box.min)},
                      {"max", vector_json(grid.box.max)},
                      {"size", grid.size},

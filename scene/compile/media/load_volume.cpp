@@ -87,7 +87,7 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
         }
       }
     } catch (const SceneError& error) {
-      if (file.empty() || error.where().file == file) throw;
+      if (file.empty() || error.where().file.string() == file) throw;
       throw SceneError({file}, error);
     }
   } catch (const SceneError& error) { throw SceneError(where, error); }

@@ -218,10 +218,10 @@ TiledImage prepare_tiles(int width, int height, TexelFormat format, const Source
                            height, kMaxTexels));
   }
   const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "use a smaller image"};
-  check_memory(
-      fmt::format("{} of {} x {} pixels",
-                  where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file), width, height),
-      {&texels, 1});
+  check_memory(fmt::format("{} of {} x {} pixels",
+                           where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file.string()),
+                           width, height),
+               {&texels, 1});
   image.tiles.resize(tiles + 1);
   image.tiles[tiles] = {};
   return image;

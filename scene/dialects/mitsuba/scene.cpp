@@ -97,7 +97,7 @@ void read_camera(mitsuba::Reader& reader, const std::vector<const XmlElement*>& 
   }
   if (all.empty()) return substitute_camera(context.scene.root(), "<sensor>", context);
   context.cameras = names;
-  const std::size_t chosen = choose_camera(context.camera, names, context.scene.root().where.file);
+  const std::size_t chosen = choose_camera(context.camera, names, context.scene.root().where.file.string());
   for (std::size_t i = 1; i < all.size() && context.camera.empty(); ++i)
     context.note(all[i]->where, "sensor ignored: only the first one is rendered (choose another by --camera)");
   if (chosen < sensors.size()) {

@@ -205,7 +205,7 @@ class MaterialLibraries {
     std::vector<const MtlLibrary*> found;
     complete = true;
     for (const ObjLibrary& line : named) {
-      const std::filesystem::path folder = std::filesystem::path(line.where.file).parent_path();
+      const std::filesystem::path folder = std::filesystem::path(line.where.file.string()).parent_path();
       if (const auto whole = find_file(folder, std::string(unquoted(line.names)))) {
         found.push_back(&read(*whole));
         continue;

@@ -21,7 +21,7 @@ constexpr int kMaxIncludes = 10'000;
 }  // namespace
 
 void Reader::note(const SourceLocation& where, const std::string& message) {
-  description.notes.push_back(fmt::format("{}:{}: {}", where.file, where.line, message));
+  description.notes.push_back(fmt::format("{}:{}: {}", where.file.string(), where.line, message));
 }
 
 void Reader::note_once(const SourceLocation& where, const std::string& message) {
@@ -65,7 +65,7 @@ void Reader::note_rest(const SourceLocation& where, const std::string& what) {
 fs::path Reader::find_file(const std::string& name, const SourceLocation& where) {
   if (name.empty()) throw SceneError(where, "empty file name");
   std::error_code error;
-  const fs::path own = fs::path(where.file).parent_path();
+  const fs::path own = fs::path(where.file.string()).parent_path();
   for (const fs::path& base : {folder, own}) {
     fs::path candidate = base / name;
     if (!fs::exists(candidate, error)) continue;

@@ -12,6 +12,18 @@ TEST_CASE("error: messages begin with their file and line") {
   CHECK(std::string(SceneError(SourceLocation{"", 7}, "bad").what()) == "bad");
 }
 
+TEST_CASE("error: locations share the name of their file") {
+  const SourceLocation first{"a.xml", 1}, copy = first;
+  CHECK(&copy.file.string() == &first.file.string());
+  CHECK(copy == first);
+  CHECK(SourceLocation{std::string("a.xml"), 1} == first);
+  CHECK_FALSE(SourceLocation{"b.xml", 1} == first);
+  CHECK_FALSE(SourceLocation{"", 1} == first);
+  CHECK(SourceLocation{}.file.empty());
+  CHECK(SourceLocation{}.file.string().empty());
+  CHECK(SourceLocation{"", 2} == SourceLocation{{}, 2});
+}
+
 TEST_CASE("error: errors of scenes carry their place and element and code") {
   using Code = SceneErrorCode;
   const SceneError plain("bad");

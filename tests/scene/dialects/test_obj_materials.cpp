@@ -165,7 +165,8 @@ TEST_CASE("obj materials: faces may lack a material and libraries may be several
   const Description& d = scene.description;
   REQUIRE(d.shapes.size() == 3);
   CHECK(d.materials.at(static_cast<std::size_t>(*d.shapes[0].material)).where.line == 1);
-  CHECK(contains(d.materials.at(static_cast<std::size_t>(*d.shapes[1].material)).where.file, "my own lib.mtl"));
+  CHECK(
+      contains(d.materials.at(static_cast<std::size_t>(*d.shapes[1].material)).where.file.string(), "my own lib.mtl"));
   CHECK_FALSE(d.shapes[2].material);
   CHECK(scene.has_note("'no.mtl' not found"));
   CHECK(scene.has_note("material 'lost'"));

@@ -25,7 +25,7 @@ void check_errors(const std::string& text, const std::vector<Expected>& expected
   REQUIRE(errors.size() == expected.size());
   for (std::size_t i = 0; i < errors.size(); ++i) {
     CAPTURE(std::string(errors[i].what()));
-    CHECK(std::filesystem::path(errors[i].where().file).filename() == "scene.xml");
+    CHECK(std::filesystem::path(errors[i].where().file.string()).filename() == "scene.xml");
     CHECK(errors[i].where().line == expected[i].line);
     CHECK(errors[i].code() == expected[i].code);
     CHECK(errors[i].element() == expected[i].element);

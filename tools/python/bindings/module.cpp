@@ -81,7 +81,7 @@ XmlElement& at(XmlElement& root, const TreePath& path) {
 }
 
 std::string text_of(const SourceLocation& where) {
-  return where.line > 0 ? fmt::format("{}:{}", where.file, where.line) : where.file;
+  return where.line > 0 ? fmt::format("{}:{}", where.file.string(), where.line) : where.file.string();
 }
 
 /// An element without its grandchildren: (name, attributes, [(name, attributes)], location).
@@ -317,7 +317,7 @@ void translate_errors(py::module_& m) {
       if (pointer) std::rethrow_exception(pointer);
     } catch (const Error& error) {
       const SourceLocation& where = error.where();
-      const py::object file = where.file.empty() ? py::object(py::none()) : py::object(py::str(where.file));
+      const py::object file = where.file.empty() ? py::object(py::none()) : py::object(py::str(where.file.string()));
       const py::object line = where.line == 0 ? py::object(py::none()) : py::object(py::int_(where.line));
       PyErr_SetObject(native, py::make_tuple(error.what(), static_cast<int>(error.exit_code()), file, line).ptr());
     }
