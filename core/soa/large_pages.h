@@ -20,7 +20,14 @@ std::vector<MemoryRange> ranges_for_large_pages(std::istream& smaps);
 /// Requests large pages for memory that is about to be written for the first time.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
-/// The same, and makes large memory resident by all threads: the system clears pages when they are first used.
+/// Reserves memory for `count` elements in all, and requests large pages for those that are added.
+template <class T> void reserve_on_large_pages(std::vector<T>& list, std::size_t count) {
+  list.reserve(count);
+  prefer_large_pages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(T));
+}
+
+/// prefer_large_pages(), and makes large memory resident by all threads: the system clears pages when they are first
+/// used.
 void prepare_pages(void* memory, std::size_t bytes) noexcept;
 
 /// Returns whole pages of memory to the system while the owner keeps the addresses. Their contents are lost and read as

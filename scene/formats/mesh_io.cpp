@@ -7,6 +7,7 @@
 #include "core/soa/large_pages.h"
 #include "scene/formats/model_formats.h"
 
+#include <algorithm>
 #include <fstream>
 #include <system_error>
 
@@ -36,9 +37,8 @@ std::string inflated(std::string_view bytes, const SourceLocation& where, std::s
   return out;
 }
 
-}  // namespace
-
-std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what) {
+/// Size of a regular file. Throws SceneError if it cannot be opened.
+std::size_t checked_size(const std::filesystem::path& file, std::string_view what) {
   const SourceLocation where{file.string()};
   std::error_code failure;
   const auto status = std::filesystem::status(file, failure);
@@ -49,14 +49,22 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
   const std::uintmax_t size = std::filesystem::file_size(file, failure);
   std::ifstream stream(file, std::ios::binary);
   if (failure || !stream) throw SceneError(where, std::string(what) + " cannot be opened for reading");
+  return size;
+}
+
+}  // namespace
+
+std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what) {
+  const SourceLocation where{file.string()};
+  const std::size_t size = checked_size(file, what);
+  std::ifstream stream(file, std::ios::binary);
   std::string bytes;
   bytes.reserve(size + 1);  // for the line feed that text readers append
   prepare_pages(bytes.data(), size);
   bytes.resize(size);
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
+  if (stream.gcount() != static_cast<std::streamsize>(size))
     throw SceneError(where, std::string(what) + " cannot be read to its end");
-  }
   if (file.extension() == ".gz") return inflated(bytes, where, what);
   return bytes;
 }
@@ -65,6 +73,33 @@ std::string read_mesh_text(const std::filesystem::path& file, std::string_view w
   std::string text = read_mesh_bytes(file, what);
   remove_byte_order_mark(text, file.string());
   return text;
+}
+
+MeshTextFile::MeshTextFile(std::filesystem::path file, std::string_view what) : file_(std::move(file)), what_(what) {
+  if (file_.extension() == ".gz") {
+    decompressed_ = read_mesh_text(file_, what);
+    end_ = decompressed_.size();
+    return;
+  }
+  end_ = checked_size(file_, what);
+  constexpr std::size_t kLongestMark = 4;
+  std::string mark(std::min(end_, kLongestMark), '\0');
+  read(0, mark);
+  const std::size_t size = mark.size();
+  remove_byte_order_mark(mark, file_.string());
+  begin_ = size - mark.size();
+}
+
+void MeshTextFile::read(std::size_t position, std::span<char> out) const {
+  if (file_.extension() == ".gz") {
+    std::copy_n(decompressed_.begin() + static_cast<std::ptrdiff_t>(position), out.size(), out.begin());
+    return;
+  }
+  std::ifstream stream(file_, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(position));
+  stream.read(out.data(), static_cast<std::streamsize>(out.size()));
+  if (!stream || stream.gcount() != static_cast<std::streamsize>(out.size()))
+    throw SceneError(SourceLocation{file_.string()}, what_ + " cannot be read to its end");
 }
 
 double mesh_reading_bytes(const MeshFileShape& shape) {

@@ -5,6 +5,7 @@
 #include "scene/description/shapes.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,5 +57,25 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
 /// read_mesh_bytes() for files that start with text: removes a UTF-8 byte order mark. Also throws SceneError for UTF-16
 /// and UTF-32 text.
 std::string read_mesh_text(const std::filesystem::path& file, std::string_view what);
+
+/// A text file of which threads read parts, so that the whole text is not in memory. Only files whose names end in .gz
+/// are read as a whole.
+class MeshTextFile {
+ public:
+  /// Throws the errors of read_mesh_text().
+  MeshTextFile(std::filesystem::path file, std::string_view what);
+
+  /// The text has the positions [begin(), end()). It begins after a byte order mark.
+  std::size_t begin() const { return begin_; }
+  std::size_t end() const { return end_; }
+  /// Reads text that begins at `position` and fills `out`; safe to call from any thread. Throws SceneError.
+  void read(std::size_t position, std::span<char> out) const;
+
+ private:
+  std::filesystem::path file_;
+  std::string what_;
+  std::string decompressed_;  ///< the text of a compressed file
+  std::size_t begin_ = 0, end_ = 0;
+};
 
 }  // namespace sheaf

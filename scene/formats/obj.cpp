@@ -69,17 +69,20 @@ class TextBuffer : public std::streambuf {
   const char* position() const { return gptr(); }
 };
 
-/// Reads one piece of a text.
+/// Reads one piece of a file.
 class PieceReader {
  public:
   /// `room`: an empty piece whose lists have room.
-  PieceReader(const ObjText& text, std::string_view piece, ObjPiece room)
-      : text_(text), piece_(piece), plain_(piece), buffer_(piece), done_(piece.data()), content_(std::move(room)) {}
+  PieceReader(const ObjText& text, ObjPiece room)
+      : text_(text),
+        piece_(text.text()),
+        plain_(piece_),
+        lines_(text),
+        buffer_(piece_),
+        done_(piece_.data()),
+        content_(std::move(room)) {}
 
   ObjPiece read() {
-    if (piece_.size() > std::numeric_limits<std::uint32_t>::max())
-      throw SceneError(SourceLocation{text_.file()}, "the OBJ file has a line of more than 4 GiB");
-    content_.text = piece_;
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* reader, float x, float y, float z, float) {
       static_cast<PieceReader*>(reader)->take_numbers(ObjLine::Kind::kPosition, {x, y, z});
@@ -97,6 +100,7 @@ class PieceReader {
     try {
       tinyobj::LoadObjWithCallback(stream, callbacks, this);
       parse_lines(done_, piece_.data() + piece_.size());
+      content_.line_count = lines_.line_at(piece_.data() + piece_.size());
     } catch (const SceneError&) { content_.error = std::current_exception(); }
     return content_;  // a copy, without room for more
   }
@@ -167,7 +171,8 @@ class PieceReader {
       case Kind::kMaterial:
       case Kind::kLibrary:
       case Kind::kSmoothing:
-        content_.statements.push_back({content_.faces.size(), line_.kind, line_.name, line_.group, line});
+        content_.statements.push_back(
+            {content_.faces.size(), line_.kind, std::string(line_.name), line_.group, lines_.line_at(line)});
         return;
       case Kind::kIrrelevant:
         return;
@@ -224,62 +229,69 @@ class PieceReader {
   const ObjText& text_;
   const std::string_view piece_;
   const PlainObjLines plain_;
+  ObjLineCounter lines_;
   TextBuffer buffer_;
   const char* done_;  ///< end of the lines that are in content_
   ObjLine line_;
   ObjPiece content_;
 };
 
-/// Lists with room that one piece after the other uses: lists that grow fragment the memory.
-class SpareRoom {
+/// Memory that one piece after the other uses: lists that grow fragment the memory.
+struct PieceRoom {
+  ObjPiece lists;
+  std::string text;
+};
+
+/// The rooms that no piece is using.
+class SpareRooms {
  public:
-  ObjPiece take() {
+  PieceRoom take() {
     const std::lock_guard lock(mutex_);
     if (spare_.empty()) return {};
-    ObjPiece room = std::move(spare_.back());
+    PieceRoom room = std::move(spare_.back());
     spare_.pop_back();
     return room;
   }
-  void give(ObjPiece room) {
+  void give(PieceRoom room) {
     const std::lock_guard lock(mutex_);
     spare_.push_back(std::move(room));
   }
 
  private:
   std::mutex mutex_;
-  std::vector<ObjPiece> spare_;
+  std::vector<PieceRoom> spare_;
 };
 
-ObjPiece read_piece(const ObjText& text, std::string_view piece, SpareRoom& spare) {
-  PieceReader reader(text, piece, spare.take());
+ObjPiece read_piece(const ObjSource& source, ObjSource::Range range, SpareRooms& spare) {
+  if (range.size() > std::numeric_limits<std::uint32_t>::max())
+    throw SceneError(SourceLocation{source.file()}, "the OBJ file has a line of more than 4 GiB");
+  PieceRoom room = spare.take();
+  ObjText text(source, range, std::move(room.text));
+  PieceReader reader(text, std::move(room.lists));
   ObjPiece content = reader.read();
-  spare.give(reader.take_room());
+  content.begin = range.begin;
+  spare.give({reader.take_room(), text.take_buffer()});
   return content;
 }
 
 /// Reads the pieces by all threads.
-std::vector<ObjPiece> read_pieces(const ObjText& text, std::size_t piece_bytes) {
-  SpareRoom spare;
+std::vector<ObjPiece> read_pieces(const ObjSource& source, std::size_t piece_bytes) {
+  SpareRooms spare;
   std::vector<ReadAhead<ObjPiece>::Job> jobs;
-  for (const std::string_view piece : text.pieces(piece_bytes))
-    jobs.push_back({[&, piece] { return read_piece(text, piece, spare); }, static_cast<double>(piece.size())});
+  for (const ObjSource::Range range : source.pieces(piece_bytes))
+    jobs.push_back({[&, range] { return read_piece(source, range, spare); }, 2 * static_cast<double>(range.size())});
   std::vector<ObjPiece> pieces(jobs.size());
   ReadAhead<ObjPiece> readers(std::move(jobs), pieces.size() > 1 ? read_ahead_bytes() : 0);
   for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i] = readers.take(i);
   return pieces;
 }
 
-/// Frees the text before vertices are merged.
-ObjContent read_content(const std::filesystem::path& file, BadFaces bad_faces, std::size_t piece_bytes) {
-  const ObjText text(file);
-  return join_obj_pieces(text, read_pieces(text, piece_bytes), bad_faces);
-}
-
 }  // namespace
 
 ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces,
                                 std::size_t piece_bytes) {
-  ObjContent content = read_content(file, bad_faces, piece_bytes);
+  const ObjSource source(file);
+  ObjContent content = join_obj_pieces(source, read_pieces(source, piece_bytes), bad_faces);
   if (flip_tex_coords) {
     for (Vec2f& uv : content.uvs.values) uv.y = 1 - uv.y;
   }

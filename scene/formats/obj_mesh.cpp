@@ -1,5 +1,6 @@
 #include "scene/formats/obj_mesh.h"
 
+#include "core/soa/large_pages.h"
 #include "scene/formats/polygon.h"
 
 #include <algorithm>
@@ -18,16 +19,16 @@ std::string out_of_range(const char* name, int index, std::size_t count) {
   return fmt::format("a face refers to {} {}, but there are {}", name, index, count);
 }
 
-/// Joins the pieces of a text.
+/// Joins the pieces of a file.
 class Joiner {
  public:
-  Joiner(const ObjText& text, BadFaces bad_faces) : text_(text), bad_faces_(bad_faces), lines_(text) {}
+  Joiner(const ObjSource& source, BadFaces bad_faces) : source_(source), bad_faces_(bad_faces) {}
 
   ObjContent join(std::vector<ObjPiece> pieces) {
     content_.pieces = std::move(pieces);
     reserve();
     for (ObjPiece& piece : content_.pieces) add(piece);
-    if (content_.runs.empty()) throw SceneError(SourceLocation{text_.file()}, "the OBJ file holds no faces");
+    if (content_.runs.empty()) throw SceneError(SourceLocation{source_.file()}, "the OBJ file holds no faces");
     check_highest(content_.positions, "vertex", &ObjCorner::position);
     check_highest(content_.uvs, "texture coordinate", &ObjCorner::uv);
     check_highest(content_.normals, "normal", &ObjCorner::normal);
@@ -42,9 +43,9 @@ class Joiner {
       counts[1] += piece.uvs.size();
       counts[2] += piece.normals.size();
     }
-    content_.positions.values.reserve(counts[0]);
-    content_.uvs.values.reserve(counts[1]);
-    content_.normals.values.reserve(counts[2]);
+    reserve_on_large_pages(content_.positions.values, counts[0]);
+    reserve_on_large_pages(content_.uvs.values, counts[1]);
+    reserve_on_large_pages(content_.normals.values, counts[2]);
   }
 
   void add(ObjPiece& piece) {
@@ -61,6 +62,7 @@ class Joiner {
     }
     add_faces(piece.faces.size() - faces);
     content_.short_faces += piece.short_faces;
+    lines_ += piece.line_count;
   }
 
   template <class T> static void add(ObjContent::Attributes<T>& to, std::vector<T>& values, int highest) {
@@ -71,7 +73,7 @@ class Joiner {
 
   /// Converts the negative indices of a face.
   void resolve(ObjPiece& piece, const ObjPiece::RelativeFace& relative) {
-    const char* const line = piece.text.data() + piece.faces[relative.face].line;
+    const std::size_t line = piece.begin + piece.faces[relative.face].line;
     const std::size_t begin = relative.face == 0 ? 0 : piece.faces[relative.face - 1].end;
     for (std::size_t i = begin; i < piece.faces[relative.face].end; ++i) {
       ObjCorner& corner = piece.corners[i];
@@ -81,9 +83,9 @@ class Joiner {
     }
   }
 
-  /// `before`: number of values of the piece before the face.
+  /// `before`: number of values of the piece before the face. `line`: position of its line in the file.
   template <class T>
-  void resolve(int& index, const char* name, ObjContent::Attributes<T>& list, int before, const char* line) {
+  void resolve(int& index, const char* name, ObjContent::Attributes<T>& list, int before, std::size_t line) {
     if (index >= kAbsent) return;
     const auto count = list.values.size() + static_cast<std::size_t>(before);
     const int negative = index + 1;
@@ -104,13 +106,13 @@ class Joiner {
       const auto face = std::upper_bound(
           piece.faces.begin(), piece.faces.end(), found - piece.corners.begin(),
           [](std::ptrdiff_t at, const ObjPiece::Face& f) { return at < static_cast<std::ptrdiff_t>(f.end); });
-      report(list, piece.text.data() + face->line, out_of_range(name, list.highest + 1, list.values.size()));
+      report(list, piece.begin + face->line, out_of_range(name, list.highest + 1, list.values.size()));
       return;
     }
   }
 
-  template <class T> void report(ObjContent::Attributes<T>& list, const char* line, const std::string& message) {
-    const SourceLocation where = text_.where(line);
+  template <class T> void report(ObjContent::Attributes<T>& list, std::size_t line, const std::string& message) {
+    const SourceLocation where = source_.where(line);
     if (bad_faces_ == BadFaces::kError) throw SceneError(where, message);
     if (list.first_bad.empty()) list.first_bad = fmt::format("line {}: {}", where.line, message);
   }
@@ -119,7 +121,7 @@ class Joiner {
     switch (statement.kind) {
       case ObjLine::Kind::kMaterial:
         material_ = statement.name;
-        material_line_ = lines_.line_at(statement.line);
+        material_line_ = lines_ + statement.line + 1;
         material_id_.reset();
         starts_run_ = true;
         break;
@@ -129,7 +131,7 @@ class Joiner {
         starts_run_ = true;
         break;
       default:
-        content_.libraries.push_back({std::string(statement.name), {text_.file(), lines_.line_at(statement.line)}});
+        content_.libraries.push_back({statement.name, {source_.file(), lines_ + statement.line + 1}});
     }
   }
 
@@ -142,8 +144,7 @@ class Joiner {
   }
 
   std::uint32_t id_of_material() {
-    const auto [found, is_new] =
-        ids_.try_emplace(std::string(material_), static_cast<std::uint32_t>(content_.materials.size()));
+    const auto [found, is_new] = ids_.try_emplace(material_, static_cast<std::uint32_t>(content_.materials.size()));
     if (is_new) {
       content_.materials.push_back(found->first);
       content_.material_lines.push_back(material_line_);
@@ -151,18 +152,23 @@ class Joiner {
     return found->second;
   }
 
-  const ObjText& text_;
+  const ObjSource& source_;
   const BadFaces bad_faces_;
-  ObjLineCounter lines_;
+  int lines_ = 0;  ///< number of lines of the pieces before
   ObjContent content_;
   std::size_t faces_ = 0;
-  std::string_view material_;                 ///< current material
+  std::string material_;                      ///< current material
   int material_line_ = 0;                     ///< line of its 'usemtl'
   std::optional<std::uint32_t> material_id_;  ///< its index after first use by a face
   std::uint32_t smoothing_group_ = 0;
   bool starts_run_ = true;
   std::unordered_map<std::string, std::uint32_t> ids_;
 };
+
+/// Whether any face uses the attribute.
+template <class T> bool is_used(const ObjContent::Attributes<T>& list) {
+  return list.highest != kAbsent && !list.values.empty();
+}
 
 struct CornerHash {
   std::size_t operator()(const ObjCorner& c) const {
@@ -179,12 +185,15 @@ struct CornerHash {
 class VertexMerger {
  public:
   VertexMerger(const ObjContent& content, Mesh& mesh)
-      : content_(content),
-        mesh_(mesh),
-        has_uvs_(content.uvs.highest != kAbsent && !content.uvs.values.empty()),
-        has_normals_(content.normals.highest != kAbsent && !content.normals.values.empty()),
-        first_(content.positions.values.size(), kMissingVertex) {
-    mesh.positions.reserve(content.positions.values.size());
+      : content_(content), mesh_(mesh), has_uvs_(is_used(content.uvs)), has_normals_(is_used(content.normals)) {
+    // Most files have one vertex per position
+    const std::size_t count = content.positions.values.size();
+    reserve_on_large_pages(first_, count);
+    first_.resize(count, kMissingVertex);
+    reserve_on_large_pages(vertices_, count);
+    reserve_on_large_pages(mesh.positions, count);
+    if (has_uvs_) reserve_on_large_pages(mesh.uvs, count);
+    if (has_normals_) reserve_on_large_pages(mesh.normals, count);
   }
 
   /// Returns kMissingVertex if the file has no such position.
@@ -241,11 +250,6 @@ class VertexMerger {
   std::unordered_map<ObjCorner, std::uint32_t, CornerHash> crowded_;
 };
 
-/// Whether any face uses the attribute.
-template <class T> bool is_used(const ObjContent::Attributes<T>& list) {
-  return list.highest != kAbsent && !list.values.empty();
-}
-
 PolygonList merge_corners(ObjContent& content, Mesh& mesh) {
   PolygonList polygons{{}, {}, content.short_faces, content.positions.first_bad};
   std::size_t corners = 0, faces = 0;
@@ -253,8 +257,8 @@ PolygonList merge_corners(ObjContent& content, Mesh& mesh) {
     corners += piece.corners.size();
     faces += piece.faces.size();
   }
-  polygons.corners.reserve(corners);
-  polygons.ends.reserve(faces);
+  reserve_on_large_pages(polygons.corners, corners);
+  reserve_on_large_pages(polygons.ends, faces);
   VertexMerger merger(content, mesh);
   for (ObjPiece& piece : content.pieces) {
     const std::size_t begin = polygons.corners.size();
@@ -267,8 +271,8 @@ PolygonList merge_corners(ObjContent& content, Mesh& mesh) {
 
 }  // namespace
 
-ObjContent join_obj_pieces(const ObjText& text, std::vector<ObjPiece> pieces, BadFaces bad_faces) {
-  return Joiner(text, bad_faces).join(std::move(pieces));
+ObjContent join_obj_pieces(const ObjSource& source, std::vector<ObjPiece> pieces, BadFaces bad_faces) {
+  return Joiner(source, bad_faces).join(std::move(pieces));
 }
 
 ObjFile build_obj_mesh(ObjContent content) {

@@ -1,4 +1,4 @@
-// From the pieces of an OBJ text to one mesh.
+// From the pieces of an OBJ file to one mesh.
 #pragma once
 
 #include "scene/formats/obj.h"
@@ -10,12 +10,12 @@
 
 namespace sheaf {
 
-/// The content of a piece of an OBJ text, which was read without knowledge of the pieces before it.
+/// The content of a piece of an OBJ file, which was read without knowledge of the pieces before it.
 struct ObjPiece {
   /// 32-bit numbers, because a piece has fewer than 2^32 bytes.
   struct Face {
     std::uint32_t end;   ///< end in `corners`
-    std::uint32_t line;  ///< position of its line in `text`
+    std::uint32_t line;  ///< position of its line in the piece
   };
   /// A face with negative indices, and the numbers of values of the piece before it.
   struct RelativeFace {
@@ -26,12 +26,13 @@ struct ObjPiece {
   struct Statement {
     std::size_t face;  ///< number of faces of the piece before it
     ObjLine::Kind kind;
-    std::string_view name;  ///< in the text
+    std::string name;
     std::uint32_t group;
-    const char* line;
+    int line;  ///< in the piece, from 0
   };
 
-  std::string_view text;
+  std::size_t begin = 0;  ///< position in the file
+  int line_count = 0;
   std::vector<Vec3f> positions, normals;
   std::vector<Vec2f> uvs;
   /// Of all faces in sequence: positive indices are reduced by 1, absent ones are -1, negative ones -n are -n - 1.
@@ -74,7 +75,7 @@ struct ObjContent {
 
 /// Resolves indices, materials and smoothing groups in the order of the file. Throws SceneError for indices out of
 /// range, or notes the first one.
-ObjContent join_obj_pieces(const ObjText& text, std::vector<ObjPiece> pieces, BadFaces bad_faces);
+ObjContent join_obj_pieces(const ObjSource& source, std::vector<ObjPiece> pieces, BadFaces bad_faces);
 
 /// Merges equal corners into vertices.
 ObjFile build_obj_mesh(ObjContent content);

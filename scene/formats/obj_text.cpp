@@ -1,7 +1,5 @@
 #include "scene/formats/obj_text.h"
 
-#include "scene/formats/mesh_io.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -17,11 +15,80 @@ std::size_t line_end_width(std::string_view text, std::size_t position) {
   return text.substr(position, 2) == "\r\n" ? 2 : 1;
 }
 
+/// Number of line ends. `before`: the character before the text.
+int count_line_ends(std::string_view text, char before) {
+  constexpr std::size_t kBlock = 128;  // 8-bit counts, so compilers use SIMD instructions
+  int count = 0;
+  for (std::size_t begin = 0; begin < text.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, text.size());
+    std::uint8_t in_block = text[begin] == '\r' || (text[begin] == '\n' && before != '\r') ? 1 : 0;
+    for (std::size_t i = begin + 1; i < end; ++i)
+      in_block =
+          static_cast<std::uint8_t>(in_block + ((text[i] == '\r') | ((text[i] == '\n') & (text[i - 1] != '\r'))));
+    count += in_block;
+    before = text[end - 1];
+  }
+  return count;
+}
+
 }  // namespace
 
-ObjText::ObjText(const std::filesystem::path& file) : file_(file.string()), text_(read_mesh_text(file, "OBJ file")) {
-  if (text_.empty()) throw SceneError(SourceLocation{file_}, "expected an OBJ file, found an empty file");
-  if (!text_.ends_with('\n')) text_.push_back('\n');
+ObjSource::ObjSource(const std::filesystem::path& file) : name_(file.string()), text_(file, "OBJ file") {
+  if (text_.begin() == text_.end())
+    throw SceneError(SourceLocation{name_}, "expected an OBJ file, found an empty file");
+}
+
+std::vector<ObjSource::Range> ObjSource::pieces(std::size_t bytes) const {
+  std::vector<Range> pieces;
+  for (std::size_t begin = text_.begin(); begin < text_.end();) {
+    const bool is_last = bytes >= text_.end() - begin;
+    pieces.push_back({begin, is_last ? text_.end() : end_of_line(begin + bytes - 1)});
+    begin = pieces.back().end;
+  }
+  return pieces;
+}
+
+/// Position after the first line end at or after `position` that continues no line, or the end of the file.
+std::size_t ObjSource::end_of_line(std::size_t position) const {
+  constexpr std::size_t kWindow = 4096, kBefore = 2;  // a line end is judged by two characters before and one after
+  std::string window;
+  for (std::size_t first = position;; first += kWindow - 1) {
+    const std::size_t begin = std::max(first, text_.begin() + kBefore) - kBefore;
+    const std::size_t end = std::min(first + kWindow, text_.end());
+    window.resize(end - begin);
+    text_.read(begin, window);
+    for (std::size_t i = first - begin; begin + i + 1 < end; ++i) {
+      if (!is_line_end(window[i]) || line_end_width(window, i) == 2) continue;
+      const std::size_t width = i > 0 && line_end_width(window, i - 1) == 2 ? 2 : 1;
+      if (i < width || window[i - width] != '\\') return begin + i + 1;
+    }
+    if (end == text_.end()) return end;
+  }
+}
+
+void ObjSource::read(Range piece, std::string& text) const {
+  text.resize(piece.size());
+  text_.read(piece.begin, text);
+  if (piece.end == text_.end() && !text.ends_with('\n')) text.push_back('\n');
+}
+
+SourceLocation ObjSource::where(std::size_t position) const {
+  constexpr std::size_t kBlock = std::size_t{1} << 20;
+  std::string block;
+  int line = 1;
+  char before = '\0';
+  for (std::size_t begin = text_.begin(); begin < position; begin += kBlock) {
+    block.resize(std::min(kBlock, position - begin));
+    text_.read(begin, block);
+    line += count_line_ends(block, before);
+    before = block.back();
+  }
+  return {name_, line};
+}
+
+ObjText::ObjText(const ObjSource& source, ObjSource::Range piece, std::string buffer)
+    : source_(source), begin_(piece.begin), text_(std::move(buffer)) {
+  source.read(piece, text_);
   join_continued_lines();
 }
 
@@ -43,25 +110,15 @@ void ObjText::join_continued_lines() {
   }
 }
 
-std::vector<std::string_view> ObjText::pieces(std::size_t bytes) const {
-  std::vector<std::string_view> pieces;
-  for (std::size_t begin = 0; begin < text_.size();) {
-    std::size_t end = std::min(begin + bytes, text_.size()) - 1;
-    while (!is_line_end(text_[end])) ++end;
-    end += line_end_width(text_, end);
-    pieces.push_back(std::string_view(text_).substr(begin, end - begin));
-    begin = end;
-  }
-  return pieces;
+SourceLocation ObjText::where(const char* line) const {
+  return source_.where(begin_ + static_cast<std::size_t>(line - text_.data()));
 }
 
-SourceLocation ObjText::where(const char* line) const { return {file_, ObjLineCounter(*this).line_at(line)}; }
-
 int ObjLineCounter::line_at(const char* line) {
-  const std::string& text = text_.text_;
+  const std::string_view text = text_.text_;
   const auto end = static_cast<std::size_t>(line - text.data());
-  for (; position_ < end; ++position_)
-    if (text[position_] == '\n' || (text[position_] == '\r' && text[position_ + 1] != '\n')) ++line_;
+  line_ += count_line_ends(text.substr(position_, end - position_), position_ > 0 ? text[position_ - 1] : '\0');
+  position_ = end;
   for (; joined_ < text_.joined_.size() && text_.joined_[joined_] < end; ++joined_) ++line_;
   return line_;
 }
@@ -124,17 +181,32 @@ void find_runs(Chunk& chunk) {
   }
 }
 
-/// Whether byte `i` shows that the line is not plain. Every rule looks at the bytes before.
-bool is_odd(const Chunk& chunk, std::size_t i) {
-  const std::uint8_t now = chunk.classes[i], last = chunk.classes[i - 1], before = chunk.classes[i - 2];
-  const auto is = [](int c, int classes) { return static_cast<std::uint8_t>(c & classes) != 0; };
-  const bool has_odd_pair = !is(chunk.next[i - 1], now);
-  const bool has_lone_dot = is(last, kDot) & !is(before | now, kDigit);
-  const bool has_two_dots = is(now, kDot) & is(chunk.runs[3][i - 1], 2);
-  const bool is_long = is(chunk.runs[3][i], 1) & is((chunk.classes[i - 8] & kDot) | chunk.runs[1][i - 8], kDot | 1);
-  const bool is_zero_index = is(now, kZero) & (is(last, kSlash) | (is(last, kMinus) & is(before, kSlash)));
-  const bool is_empty = is(now, kLineEnd) & is(last, kBlank) & !is(before, kDigit | kDot);
+/// 255 if byte `i` shows that the line is not plain, else 0. Every rule looks at the bytes before. Truth values are
+/// bytes, of which SIMD instructions process more than of wider types.
+std::uint8_t is_odd(const Chunk& chunk, std::size_t i) {
+  using Byte = std::uint8_t;
+  const Byte now = chunk.classes[i], last = chunk.classes[i - 1], before = chunk.classes[i - 2];
+  const auto is = [](Byte c, Byte classes) -> Byte { return static_cast<Byte>(c & classes) != 0 ? 255 : 0; };
+  const auto is_not = [](Byte c, Byte classes) -> Byte { return static_cast<Byte>(c & classes) == 0 ? 255 : 0; };
+  const Byte has_odd_pair = is_not(chunk.next[i - 1], now);
+  const Byte has_lone_dot = is(last, kDot) & is_not(before | now, kDigit);
+  const Byte has_two_dots = is(now, kDot) & is(chunk.runs[3][i - 1], 2);
+  const Byte is_long = is(chunk.runs[3][i], 1) & is((chunk.classes[i - 8] & kDot) | chunk.runs[1][i - 8], kDot | 1);
+  const Byte is_zero_index = is(now, kZero) & (is(last, kSlash) | (is(last, kMinus) & is(before, kSlash)));
+  const Byte is_empty = is(now, kLineEnd) & is(last, kBlank) & is_not(before, kDigit | kDot);
   return has_odd_pair | has_lone_dot | has_two_dots | is_long | is_zero_index | is_empty;
+}
+
+/// All bits that are set in any of these 64 bytes.
+std::uint8_t any_of_block(const std::uint8_t* bytes) {
+  std::uint64_t all = 0;
+  for (std::size_t i = 0; i < 64; i += sizeof(all)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes + i, sizeof(word));
+    all |= word;
+  }
+  for (const int half : {32, 16, 8}) all |= all >> half;
+  return static_cast<std::uint8_t>(all);
 }
 
 }  // namespace
@@ -151,12 +223,9 @@ PlainObjLines::PlainObjLines(std::string_view text) : found_((text.size() + kBlo
     classify(chunk);
     find_runs(chunk);
     for (std::size_t i = kHistory; i < found.size(); ++i)
-      found[i] = static_cast<std::uint8_t>((chunk.classes[i] & (kDot | kSlash)) | (is_odd(chunk, i) ? kOdd : 0));
-    for (std::size_t block = 0; block * kBlock < size; ++block) {
-      std::uint8_t all = 0;
-      for (std::size_t i = 0; i < kBlock; ++i) all |= found[kHistory + block * kBlock + i];
-      found_[at / kBlock + block] = all;
-    }
+      found[i] = static_cast<std::uint8_t>((chunk.classes[i] & (kDot | kSlash)) | (is_odd(chunk, i) & kOdd));
+    for (std::size_t block = 0; block * kBlock < size; ++block)
+      found_[at / kBlock + block] = any_of_block(&found[kHistory + block * kBlock]);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/io/error.h"
+#include "scene/formats/mesh_io.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -11,28 +12,57 @@
 
 namespace sheaf {
 
-/// An OBJ text of whole lines, which end in LF, CR LF or CR. Continued lines, those of vertices and faces that end in a
-/// backslash, are joined.
+/// An OBJ file, of which threads read pieces. Lines end in LF, CR LF or CR.
+class ObjSource {
+ public:
+  /// Positions [begin, end) in the file.
+  struct Range {
+    std::size_t begin, end;
+    std::size_t size() const { return end - begin; }
+  };
+
+  /// Throws SceneError, also for empty files.
+  explicit ObjSource(const std::filesystem::path& file);
+
+  const std::string& file() const { return name_; }
+  /// Cuts the file at line ends into pieces of about `bytes`, but not within continued lines, which end in a backslash.
+  std::vector<Range> pieces(std::size_t bytes) const;
+  /// Reads a piece; safe to call from any thread. Ends the last line if the file does not.
+  void read(Range piece, std::string& text) const;
+  /// Location of the line that begins at this position. Reads the file up to there.
+  SourceLocation where(std::size_t position) const;
+
+ private:
+  std::size_t end_of_line(std::size_t position) const;
+
+  std::string name_;
+  MeshTextFile text_;
+};
+
+/// A piece of an OBJ file. Continued lines of vertices and faces are joined: blanks replace the backslash and the line
+/// end.
 class ObjText {
  public:
-  /// Reads a file. Throws SceneError, also for empty files.
-  explicit ObjText(const std::filesystem::path& file);
+  /// `buffer`: memory for the text.
+  ObjText(const ObjSource& source, ObjSource::Range piece, std::string buffer = {});
 
-  const std::string& file() const { return file_; }
-  /// Cuts the text at line ends into pieces of about `bytes`.
-  std::vector<std::string_view> pieces(std::size_t bytes) const;
-  /// Location of the line that begins at `line`, a pointer into the text. Linear.
+  std::string_view text() const { return text_; }
+  /// Location of the line that begins at `line`, a pointer into the text. Slow.
   SourceLocation where(const char* line) const;
+  /// Returns the memory, for another piece.
+  std::string take_buffer() { return std::move(text_); }
 
  private:
   friend class ObjLineCounter;
   void join_continued_lines();
 
-  std::string file_, text_;
-  std::vector<std::size_t> joined_;  ///< positions of the line ends that became blanks
+  const ObjSource& source_;
+  const std::size_t begin_;  ///< position in the file
+  std::string text_;
+  std::vector<std::size_t> joined_;  ///< positions in the text of the line ends that became blanks
 };
 
-/// Line numbers of ascending positions.
+/// Numbers of lines of a piece, from 0, at ascending positions.
 class ObjLineCounter {
  public:
   explicit ObjLineCounter(const ObjText& text) : text_(text) {}
@@ -43,7 +73,7 @@ class ObjLineCounter {
  private:
   const ObjText& text_;
   std::size_t position_ = 0, joined_ = 0;
-  int line_ = 1;
+  int line_ = 0;
 };
 
 /// Finds the lines that tinyobjloader reads exactly as parse_obj_line(): a keyword of the letters v, f, n and t at the

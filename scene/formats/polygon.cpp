@@ -1,5 +1,6 @@
 #include "scene/formats/polygon.h"
 
+#include "core/soa/large_pages.h"
 #include "scene/formats/triangulate.h"
 
 #include <algorithm>
@@ -9,9 +10,9 @@ namespace sheaf {
 std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh,
                                            std::vector<std::string>& warnings) {
   const std::size_t max_triangles = polygons.corners.size() - 2 * polygons.ends.size();
-  mesh.triangles.reserve(max_triangles);
+  reserve_on_large_pages(mesh.triangles, max_triangles);
   std::vector<std::uint32_t> sources;
-  sources.reserve(max_triangles);
+  reserve_on_large_pages(sources, max_triangles);
   std::vector<Vec3f> outline;
   std::vector<PolygonTriangle> triangles;
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t polygon) {

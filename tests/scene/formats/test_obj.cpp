@@ -1,5 +1,6 @@
 // OBJ files: every notation of faces and every kind of error.
 #include "scene/formats/obj.h"
+#include "tests/support/files/deflate.h"
 #include "tests/support/files/mesh_files.h"
 #include "tests/support/near.h"
 
@@ -361,6 +362,45 @@ TEST_CASE("obj: pieces of any size give the same mesh and the same errors") {
     CHECK(contains(error_of([&] { read_obj_with_materials(file.path(), false, BadFaces::kError, bytes); }),
                    "mesh.obj:25: a face refers to normal -7, but there are 1"));
   }
+}
+
+TEST_CASE("obj: pieces end at line ends that are far away") {
+  // Longer than the blocks in which the file is searched, so that line ends of both bytes lie across their boundaries
+  for (std::size_t length = 4085; length < 4110; ++length) {
+    CAPTURE(length);
+    const std::string comment = "#" + std::string(length, ' ');
+    const std::string text = comment + "\r\n" +
+                             with_square(comment + "\\\r\nf 1 2 \\\r\n" + std::string(length, ' ') + "\\\r\n 3\r" +
+                                         comment + "\r\nusemtl far\nf 2 3 4\n");
+    const TemporaryFile file("mesh.obj", text), bad("bad.obj", text + comment + "\r\n\r\nf 1 2 x\n");
+    for (const std::size_t bytes : {std::size_t{1}, std::size_t{100}, length, length + 2, 2 * length + 100}) {
+      CAPTURE(bytes);
+      const ObjFile obj = read_obj_with_materials(file.path(), false, BadFaces::kError, bytes);
+      CHECK(obj.file.mesh.triangles.size() == 2);
+      CHECK(obj.material_lines == std::vector<int>{0, 11});
+      CHECK(contains(error_of([&] { read_obj_with_materials(bad.path(), false, BadFaces::kError, bytes); }),
+                     "bad.obj:15: expected a face corner"));
+    }
+  }
+}
+
+TEST_CASE("obj: byte order marks and compressed files are read in pieces") {
+  const std::string text = with_square("f 1 2 3 4\nf 1 2 x\n"), plain = with_square("f 1 2 3 4\n");
+  const Mesh expected = read(plain).mesh;
+  const auto read_in_pieces = [](const std::string& name, const std::string& content) {
+    const TemporaryFile file(name, content);
+    return read_obj_with_materials(file.path(), true, BadFaces::kError, 5).file.mesh;
+  };
+  CHECK(are_equal(read_in_pieces("a.obj", "\xef\xbb\xbf" + plain), expected));
+  CHECK(are_equal(read_in_pieces("a.obj.gz", gzipped(plain)), expected));
+  const auto error_in_pieces = [&](const std::string& name, const std::string& content) {
+    return error_of([&] { read_in_pieces(name, content); });
+  };
+  CHECK(contains(error_in_pieces("a.obj", "\xef\xbb\xbf" + text), ":6: expected a face corner"));
+  CHECK(contains(error_in_pieces("a.obj.gz", gzipped(text)), ":6: expected a face corner"));
+  CHECK(contains(error_in_pieces("a.obj", "\xff\xfe" + plain), "UTF-16"));
+  CHECK(contains(error_in_pieces("a.obj.gz", plain), "not a gzip file"));
+  CHECK(contains(error_in_pieces("a.obj.gz", gzipped("")), "empty file"));
 }
 
 TEST_CASE("obj: every truncated file gives a mesh or an error") {
