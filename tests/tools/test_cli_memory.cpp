@@ -2,6 +2,7 @@
 #include "core/image/exr.h"
 #include "core/sampling/rng.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 
 #include <doctest/doctest.h>
@@ -33,6 +34,23 @@ void write_map(const std::filesystem::path& file, int width, int height) {
   for (std::size_t i = 0; i < map.data.size(); ++i)
     map.data[i] = random4<Scalar>(3, static_cast<std::uint32_t>(i / 1024), 0, 0).x;
   write_exr(file, map);
+}
+
+/// A bumpy square of 2 x side^2 triangles.
+void write_mesh(const std::filesystem::path& file, int side) {
+  std::string mesh;
+  for (int i = 0; i <= side; ++i)
+    for (int k = 0; k <= side; ++k)
+      mesh += "v " + std::to_string(i * 2.0 / side - 1) + " " + std::to_string(k * 2.0 / side - 1) + " " +
+              std::to_string(3 + 0.1 * ((i * k) % 7)) + "\n";
+  for (int i = 0; i < side; ++i)
+    for (int k = 1; k <= side; ++k) {
+      const int a = i * (side + 1) + k, b = a + side + 1;
+      for (const int corner : {a, a + 1, b}) mesh += (corner == a ? "f " : " ") + std::to_string(corner);
+      for (const int corner : {a + 1, b + 1, b}) mesh += (corner == a + 1 ? "\nf " : " ") + std::to_string(corner);
+      mesh += "\n";
+    }
+  write_bytes(file, mesh);
 }
 
 /// Bytes of the number and unit in the first match.
@@ -111,20 +129,7 @@ TEST_CASE("memory: info lists the memory of grids") {
 
 TEST_CASE("memory: -v lists the times of loading and the memory by cause, and --bvh keeps the image") {
   const TemporaryFolder folder;
-  std::string mesh;
-  constexpr int kSide = 60;
-  for (int i = 0; i <= kSide; ++i)
-    for (int k = 0; k <= kSide; ++k)
-      mesh += "v " + std::to_string(i / 30.0 - 1) + " " + std::to_string(k / 30.0 - 1) + " " +
-              std::to_string(3 + 0.1 * ((i * k) % 7)) + "\n";
-  for (int i = 0; i < kSide; ++i)
-    for (int k = 1; k <= kSide; ++k) {
-      const int a = i * (kSide + 1) + k, b = a + kSide + 1;
-      for (const int corner : {a, a + 1, b}) mesh += (corner == a ? "f " : " ") + std::to_string(corner);
-      for (const int corner : {a + 1, b + 1, b}) mesh += (corner == a + 1 ? "\nf " : " ") + std::to_string(corner);
-      mesh += "\n";
-    }
-  write_bytes(folder / "mesh.obj", mesh);
+  write_mesh(folder / "mesh.obj", 60);
   write_bytes(folder / "scene.xml",
               scene(64, 48,
                     "<emitter type='constant'/><shape type='obj'><string name='filename' value='mesh.obj'/>"
@@ -151,6 +156,27 @@ TEST_CASE("memory: -v lists the times of loading and the memory by cause, and --
   CHECK(contains(render("--crop 0,0,1,1").first, " (with spatial splits, at most 3.8 rays per triangle)\n"));
   CHECK(contains(render("--spp 32").first, " (with spatial splits)\n"));
   CHECK(run(folder, "render scene.xml --bvh small").code == 2);
+}
+
+TEST_CASE("memory: info predicts the BVH of a short render") {
+  const TemporaryFolder folder;
+  write_mesh(folder / "mesh.obj", 80);
+  const std::string mesh =
+      "<emitter type='constant'/><shape type='obj'><string name='filename' value='mesh.obj'/></shape>";
+  const auto accel_bytes = [&](int width) {
+    write_bytes(folder / "scene.xml", scene(width, width, mesh));
+    const Outcome info = run(folder, "info scene.xml");
+    CAPTURE(info.out);
+    const Outcome render = run(folder, "render scene.xml -v -o out.exr");
+    REQUIRE(render.code == 0);
+    std::smatch built;
+    REQUIRE(std::regex_search(render.err, built, std::regex("BVH +([0-9.]+) (MB)")));
+    const double expected = bytes_in(info.out, " of acceleration structure"), real = 1e6 * std::stod(built[1]);
+    CHECK(expected == near(real, 0.02));
+    return expected;
+  };
+  // Fewer rays than triangles, and more
+  CHECK(accel_bytes(16) < 0.8 * accel_bytes(128));
 }
 
 TEST_CASE("memory: renders beyond the available memory have exit code 1 and leave no files") {

@@ -13,6 +13,7 @@
 #include "tools/job/image_files.h"
 #include "tools/job/interrupted_image.h"
 #include "tools/job/read_options.h"
+#include "tools/job/render_job.h"
 #include "tools/options/option_groups.h"
 
 #include <fmt/format.h>
@@ -70,7 +71,8 @@ std::string describe(const CompileReport& report) {
   std::string text;
   const auto out = std::back_inserter(text);
   for (const PlacedGrid& grid : report.grids) {
-    const std::string name = grid.name.empty() ? fmt::format("of {}:{}", grid.where.file, grid.where.line) : grid.name;
+    const std::string name =
+        grid.name.empty() ? fmt::format("of {}:{}", grid.where.file.string(), grid.where.line) : grid.name;
     if (grid.size[0] == 0) {
       fmt::format_to(out, "grid        {}: empty\n", name);
       continue;
@@ -100,6 +102,14 @@ std::string describe(const FileContents& contents) {
     text += times ? fmt::format(", {:.6g} to {:.6g} s\n", (*times)[0], (*times)[1]) : "\n";
   }
   return text;
+}
+
+/// Rays of `sheaf render` without options; infinity if it cannot render the scene. They affect the BVH.
+double rays_of_render(const Description& description) {
+  try {
+    SettingsRemarks remarks;
+    return expected_rays(resolve_settings(RenderArguments(), description, remarks));
+  } catch (const Error&) { return kInfinity; }
 }
 
 /// Peak memory of the program so far, and the expected peak of rendering the scene.
@@ -274,6 +284,7 @@ void add_info_command(Command& program, int& exit_code) {
     CompileOptions options;
     options.report = &report;
     options.color = native_color(arguments->scene);
+    options.expected_rays = rays_of_render(description);
     ErrorSink errors(arguments->read.lenient, description.substitutions);
     options.errors = &errors;
     const std::unique_ptr<Scene> scene = compile_scene(description, options);

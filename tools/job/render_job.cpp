@@ -34,20 +34,6 @@ std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   return half_turn * camera.to_world.inverse_matrix();
 }
 
-/// Upper estimate of the number of rays of a render that is short for certain, otherwise infinity. Parts of an image
-/// and renders that continue a checkpoint get the same BVH: a single set of few samples cannot be continued with more.
-double expected_rays(const RenderSettings& settings) {
-  constexpr std::uint32_t kFewSamples = 32;
-  const bool may_be_long = settings.spp >= kFewSamples || settings.replicates > 1 || settings.adapts ||
-                           settings.integrator.kind != IntegratorKind::kPath;
-  if (may_be_long) return kInfinity;
-  // Paths of no more than 4 vertices on average, each with a shadow ray and a scattered ray; few paths train the guide
-  constexpr int kVertices = 4;
-  const int depth = settings.integrator.max_depth;
-  const int vertices = depth < 0 ? kVertices : std::min(depth, kVertices);
-  return (1.0 + 2.0 * vertices) * settings.spp * settings.film.width * settings.film.height;
-}
-
 /// Spatial splits of the BVH, and why.
 std::string describe_splits(BvhSplits splits, double rays, std::size_t triangles) {
   if (splits == BvhSplits::kNotNeeded) return "spatial splits not needed";
@@ -63,6 +49,18 @@ int taken_samples(const RenderReport& report) {
 }
 
 }  // namespace
+
+double expected_rays(const RenderSettings& settings) {
+  constexpr std::uint32_t kFewSamples = 32;
+  const bool may_be_long = settings.spp >= kFewSamples || settings.replicates > 1 || settings.adapts ||
+                           settings.integrator.kind != IntegratorKind::kPath;
+  if (may_be_long) return kInfinity;
+  // Paths of no more than 4 vertices on average, each with a shadow ray and a scattered ray; few paths train the guide
+  constexpr int kVertices = 4;
+  const int depth = settings.integrator.max_depth;
+  const int vertices = depth < 0 ? kVertices : std::min(depth, kVertices);
+  return (1.0 + 2.0 * vertices) * settings.spp * settings.film.width * settings.film.height;
+}
 
 void prepare(const RenderArguments& arguments, LoadedScene& loaded) {
   if (!arguments.integrator.empty())

@@ -31,6 +31,10 @@ void prepare(const RenderArguments& arguments, LoadedScene& loaded);
 /// Threads and waves of the render.
 RenderControl control_of(const RenderArguments& arguments);
 
+/// Upper estimate of the number of rays of a render that is short for certain, otherwise infinity. Parts of an image
+/// and renders that continue a checkpoint get the same BVH: a single set of few samples cannot be continued with more.
+double expected_rays(const RenderSettings& settings);
+
 /// Compiles the scene. `kept`: geometry of an earlier scene; null: none. Throws SceneError.
 void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry* kept);
 
