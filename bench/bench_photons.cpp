@@ -1,6 +1,7 @@
 // The cost of photon maps: gathering at surface vertices and along rays in fog, and building. "per_item" is in seconds
 // per query, or per photon for building. "per_photon" is per photon found, "photons" their number.
 #include "core/io/error.h"
+#include "core/sampling/octahedral.h"
 #include "core/simd/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
@@ -13,6 +14,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -28,13 +30,14 @@ std::unique_ptr<Scene> load_scene(const char* file) {
 }
 
 /// Traces and stores photons as a render does.
-template <class Trace> auto traced(const Scene& scene, PhotonKind kind, float radius, int lookup_size, Trace&& trace) {
+template <class Trace>
+auto traced(const Scene& scene, PhotonKind kind, std::uint64_t count, float radius, int lookup_size, Trace&& trace) {
   IntegratorSettings integrator = scene.integrator();
   integrator.photons.lookup_size = lookup_size;
   const StageContext context(scene, integrator);
   Workers workers([&] { return Worker(Wave::default_capacity(WaveNeeds::of(context)), WaveNeeds::of(context)); });
   PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
-  const std::uint64_t emitted = photons_to_emit(context, workers, kind, kPhotons, 64 * kPhotons, tracing);
+  const std::uint64_t emitted = photons_to_emit(context, workers, kind, count, 64 * count, tracing);
   return trace(context, workers, PhotonRequest{emitted, radius, kind, 0}, tracing);
 }
 
@@ -73,6 +76,19 @@ class GatheringWave {
     state.counters["photons"] = found / items;
   }
 
+  /// Moves the diffuse vertices to random photons, or all to one.
+  void move_to_photons(const PhotonMapView& map, std::uint32_t seed, bool same) {
+    const VertexRun& run = wave_.runs[static_cast<int>(kClosureKind<DiffuseClosure>)];
+    for (int i = 0; i < run.count; ++i) {
+      const Random4<Scalar> u = random4<Scalar>(seed, same ? 0u : static_cast<std::uint32_t>(i), 0, 0);
+      const Photon photon = map.photon(static_cast<std::uint32_t>(u.x * static_cast<float>(map.size - 1)));
+      auto item = wave_.vertices.load<Scalar>(run.column_begin + i);
+      item.p = photon.p;
+      item.ng = item.ns = decode_octahedral<Scalar>(photon_normal(photon.surface));
+      wave_.vertices.store<Scalar>(run.column_begin + i, item);
+    }
+  }
+
   void run_once(Stage stage) { kStages<Wide>[static_cast<std::size_t>(stage)].run(context_, wave_); }
 
   Wave& wave() { return wave_; }
@@ -87,7 +103,7 @@ class GatheringWave {
 void gather_around(benchmark::State& state, float radius, int lookup_size) {
   const FlushDenormals flush;
   const auto scene = load_scene("scenes/cornell/cornell.xml");
-  const PhotonMap map = traced(*scene, PhotonKind::kAll, radius, lookup_size, trace_photons);
+  const PhotonMap map = traced(*scene, PhotonKind::kAll, kPhotons, radius, lookup_size, trace_photons);
   const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
   GatheringWave gathering(*scene, maps, stage_named("gather"));
   Wave& wave = gathering.wave();
@@ -97,10 +113,46 @@ void gather_around(benchmark::State& state, float radius, int lookup_size) {
   gathering.run(state, stage_named("gather"), static_cast<double>(wave.stats.gathering.photons));
 }
 
+/// CPU time of this thread, s.
+double thread_seconds() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Queries all over a map of 2 million photons, as by final gathering, or at one photon. Other programs do not count:
+/// times are CPU times.
+void gather_at_random(benchmark::State& state, float radius, bool same) {
+  const FlushDenormals flush;
+  const auto scene = load_scene("scenes/cornell/cornell.xml");
+  const PhotonMap map = traced(*scene, PhotonKind::kAll, 2 * kPhotons, radius, 0, trace_photons);
+  const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
+  GatheringWave gathering(*scene, maps, stage_named("gather"));
+  Wave& wave = gathering.wave();
+  const WaveSnapshot snapshot(wave);
+  std::uint32_t seed = 0;
+  double queries = 0, photons = 0, seconds = 0;
+  for (auto _ : state) {
+    snapshot.restore(wave);
+    gathering.move_to_photons(map.view(), seed++, same);
+    const auto before = wave.stats.gathering;
+    const double start = thread_seconds();
+    gathering.run_once(stage_named("gather"));
+    const double elapsed = thread_seconds() - start;
+    state.SetIterationTime(elapsed);
+    seconds += elapsed;
+    queries += static_cast<double>(wave.stats.gathering.queries - before.queries);
+    photons += static_cast<double>(wave.stats.gathering.photons - before.photons);
+  }
+  state.counters["per_item"] = seconds / queries;
+  state.counters["per_photon"] = seconds / photons;
+  state.counters["photons"] = photons / queries;
+}
+
 void gather_along(benchmark::State& state, float radius) {
   const FlushDenormals flush;
   const auto scene = load_scene("scenes/media/fog.xml");
-  const VolumePhotonMaps volume = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons);
+  const VolumePhotonMaps volume = traced(*scene, PhotonKind::kVolume, kPhotons, radius, 0, trace_volume_photons);
   const VolumePhotonMap& map = volume.points;
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
   GatheringWave gathering(*scene, maps, stage_named("gather_volume"));
@@ -139,6 +191,8 @@ template <class Map> void build(benchmark::State& state) {
     benchmark::RegisterBenchmark(("photons/around/radius_" + r).c_str(), gather_around, radius, 0)->UseManualTime();
     benchmark::RegisterBenchmark(("photons/along/radius_" + r).c_str(), gather_along, radius)->UseManualTime();
   }
+  benchmark::RegisterBenchmark("photons/at_random", gather_at_random, 0.037f, false)->UseManualTime();
+  benchmark::RegisterBenchmark("photons/at_one", gather_at_random, 0.037f, true)->UseManualTime();
   benchmark::RegisterBenchmark("photons/around/nearest_50", gather_around, 0.08f, 50)->UseManualTime();
   benchmark::RegisterBenchmark("photons/build/surfaces", build<PhotonMap>)
       ->UseRealTime()

@@ -1,4 +1,4 @@
-// Columns of small unsigned integers, loaded as registers of floats.
+// Columns of small unsigned integers, loaded as registers of 32 bits.
 #pragma once
 
 #include "core/simd/simd.h"
@@ -6,18 +6,21 @@
 namespace sheaf {
 
 /// Loads kWidth integers, exactly; `p` must be aligned to kWidth times their size.
-SHEAF_INLINE void load(const std::uint16_t* p, WideFloat& out) {
+SHEAF_INLINE void load(const std::uint16_t* p, WideUint& out) {
 #if defined(__AVX512F__)
-  const __m256i words = _mm256_load_si256(reinterpret_cast<const __m256i*>(p));
-  out.v = FloatBatch(_mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(words)));
+  out.v = UintBatch(_mm512_cvtepu16_epi32(_mm256_load_si256(reinterpret_cast<const __m256i*>(p))));
 #elif defined(__AVX2__)
-  const __m128i words = _mm_load_si128(reinterpret_cast<const __m128i*>(p));
-  out.v = FloatBatch(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(words)));
+  out.v = UintBatch(_mm256_cvtepu16_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(p))));
 #else
-  alignas(kSimdAlignment) float lanes[kWidth];
-  for (int lane = 0; lane < kWidth; ++lane) lanes[lane] = static_cast<float>(p[lane]);
-  out.v = FloatBatch::load_aligned(lanes);
+  alignas(kSimdAlignment) std::uint32_t lanes[kWidth];
+  for (int lane = 0; lane < kWidth; ++lane) lanes[lane] = p[lane];
+  out.v = UintBatch::load_aligned(lanes);
 #endif
+}
+SHEAF_INLINE void load(const std::uint16_t* p, WideFloat& out) {
+  WideUint integers;
+  load(p, integers);
+  out = to_float(integers);
 }
 SHEAF_INLINE void load(const std::uint8_t* p, WideFloat& out) {
 #if defined(__AVX512F__)
@@ -32,6 +35,7 @@ SHEAF_INLINE void load(const std::uint8_t* p, WideFloat& out) {
   out.v = FloatBatch::load_aligned(lanes);
 #endif
 }
+SHEAF_INLINE void load(const std::uint16_t* p, std::uint32_t& out) { out = *p; }
 SHEAF_INLINE void load(const std::uint16_t* p, float& out) { out = static_cast<float>(*p); }
 SHEAF_INLINE void load(const std::uint8_t* p, float& out) { out = static_cast<float>(*p); }
 

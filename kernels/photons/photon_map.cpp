@@ -95,20 +95,21 @@ bool is_one_sided(const BlockPhotons& block, std::uint32_t surface) {
   return true;
 }
 
-/// Sets the surface and the powers of block `node` in its group.
-void describe_block(const BlockPhotons& block, float scale, std::uint32_t node, PhotonBlockGroup& group) {
+/// The high half of the nearest float that is not less than `step` and has no low half.
+std::uint16_t power_step_above(float step) { return static_cast<std::uint16_t>((float_bits(step) + 0xffffu) >> 16); }
+
+/// Sets the surface of block `node` in its group, and the step of its powers.
+void describe_block(const BlockPhotons& block, float scale, std::uint32_t node, std::uint32_t powers,
+                    PhotonBlockGroup& group) {
   const std::uint32_t normal = photon_normal(block.photons[0]->surface);
   std::uint32_t edges = 0, mixed = block.count < kPhotonBlock ? kMixedNormals : 0u;
-  float largest = 0, sums[4] = {};
+  float largest = 0;
   for (std::uint32_t i = 0; i < block.count; ++i) {
     const Photon& photon = *block.photons[i];
     edges = std::max(edges, photon.surface & kMaxPhotonEdges);
     if (photon_normal(photon.surface) != normal) mixed = kMixedNormals;
-    const float powers[4] = {photon.power.c0, photon.power.c1, photon.power.c2, photon.power.c3};
-    for (int k = 0; k < 4; ++k) {
-      sums[k] += powers[k] * scale;
-      largest = max(largest, powers[k] * scale);
-    }
+    const float all[4] = {photon.power.c0, photon.power.c1, photon.power.c2, photon.power.c3};
+    for (std::uint32_t k = 0; k < powers; ++k) largest = max(largest, all[k] * scale);
   }
   // Lookups ignore the sign of the normal. Choose the one that faces the photons.
   const std::uint32_t flipped = photon_normal(encode_octahedral<Scalar>(-decode_octahedral<Scalar>(normal)));
@@ -116,34 +117,68 @@ void describe_block(const BlockPhotons& block, float scale, std::uint32_t node, 
   if (faces || is_one_sided(block, flipped)) group.one_sided |= 1u << node;
   const bool flips = !faces && (group.one_sided >> node & 1u) != 0;
   group.surfaces[node] = (flips && mixed == 0 ? flipped : normal) | mixed | edges;
-  group.power_steps[node] = largest / kPhotonSteps;
-  for (int k = 0; k < 4; ++k) group.powers[k][node] = sums[k];
+  group.power_steps[node] = power_step_above(largest / static_cast<float>(photon_power(powers, 0).max));
 }
 
 /// `x` in steps, rounded to the nearest.
-std::uint16_t in_steps(float x, float step) {
+std::uint32_t in_steps(float x, float step, std::uint32_t max) {
   const float steps = step > 0.0f ? x / step + 0.5f : 0.0f;
-  return static_cast<std::uint16_t>(clamp(steps, 0.0f, kPhotonSteps));
+  return static_cast<std::uint32_t>(clamp(steps, 0.0f, static_cast<float>(max)));
 }
 
-/// Writes block `node` of a group. Photons beyond its end have no power.
-void fill_block(const BlockPhotons& block, const PhotonBlockGroup& group, std::uint32_t node, float scale,
-                std::uint32_t powers, std::byte* bytes, std::uint32_t* surfaces) {
-  auto* columns = reinterpret_cast<std::uint16_t*>(bytes);
-  auto* directions = reinterpret_cast<std::uint32_t*>(bytes + photon_directions_offset(powers));
+/// Rounds the powers of a block to steps, one after the other. They are differences of their cumulative sums, rounded
+/// down from an offset. If that is uniform in [0, 1), each sum is unbiased, and wrong by less than one step (systematic
+/// sampling).
+class PowerRounding {
+ public:
+  PowerRounding(float step, std::uint32_t max, double offset) : step_(step), max_(max), sum_(offset) {}
+
+  std::uint32_t in_steps(float power) {
+    if (!(step_ > 0.0) || !(power > 0.0f)) return 0;
+    const double before = std::floor(sum_);
+    sum_ += std::min(max_, static_cast<double>(power) / step_);
+    return static_cast<std::uint32_t>(std::min(max_, std::floor(sum_) - before));
+  }
+
+ private:
+  double step_, max_, sum_;
+};
+
+/// Offsets of the blocks, see PowerRounding: equidistributed along the curve.
+double rounding_offset(std::size_t block) {
+  constexpr double kGoldenRatio = 0.61803398874989485;
+  const double x = kGoldenRatio * static_cast<double>(block);
+  return x - std::floor(x);
+}
+
+/// Writes block `node` of a group, and the sums of its powers. Photons beyond its end have no power. `offset`: see
+/// PowerRounding.
+void fill_block(const BlockPhotons& photons, PhotonBlockGroup& group, std::uint32_t node, float scale,
+                std::uint32_t powers, double offset, PhotonBlock& block) {
   for (std::uint32_t i = 0; i < kPhotonBlock; ++i) {
-    const bool valid = i < block.count;
-    const Photon& photon = *block.photons[valid ? i : 0];
-    directions[i] = photon.direction;
-    surfaces[i] = photon.surface;
+    const Photon& photon = *photons.photons[i < photons.count ? i : 0];
+    block.directions[i] = photon.direction;
+    block.surfaces[i] = photon.surface;
+    block.positions[i] = block.powers[i] = 0;
     const float p[3] = {photon.p.x, photon.p.y, photon.p.z};
-    for (int axis = 0; axis < 3; ++axis)
-      columns[static_cast<std::uint32_t>(axis) * kPhotonBlock + i] =
-          in_steps(p[axis] - group.low[axis], group.position_step(axis));
-    const float power[4] = {photon.power.c0, photon.power.c1, photon.power.c2, photon.power.c3};
-    for (std::uint32_t k = 0; k < photon_directions_offset(powers) / kPhotonColumnBytes - 3; ++k)
-      columns[(3 + k) * kPhotonBlock + i] =
-          valid && k < powers ? in_steps(power[k] * scale, group.power_steps[node]) : 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const PhotonField field = kPhotonPosition[axis];
+      const float above = -group.low_of(node, axis, p[axis]);
+      block.positions[i] |= in_steps(above, group.position_step(node, axis), field.max) << field.shift;
+    }
+  }
+  for (int k = 0; k < static_cast<int>(powers); ++k) {
+    const PhotonField field = photon_power(powers, k);
+    PowerRounding rounding(group.power_step(node), field.max, offset);
+    std::uint32_t sum = 0;
+    for (std::uint32_t i = 0; i < photons.count; ++i) {
+      const Spectrum4& power = photons.photons[i]->power;
+      const float components[4] = {power.c0, power.c1, power.c2, power.c3};
+      const std::uint32_t steps = rounding.in_steps(components[k] * scale);
+      block.powers[i] |= steps << field.shift;
+      sum += steps;
+    }
+    group.powers[k][node] = static_cast<std::uint16_t>(sum);
   }
 }
 
@@ -156,10 +191,9 @@ PhotonMap::PhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_
   size_ = order.size();
   if (size_ == 0) return;
   const float scale = 1.0f / static_cast<float>(emitted);
-  const std::size_t blocks = divide_up(size_, kPhotonBlock), bytes = photon_block_bytes(powers());
+  const std::size_t blocks = divide_up(size_, kPhotonBlock);
   std::size_t nodes = divide_up(blocks, kPhotonBlock);
-  blocks_.resize(blocks * bytes);
-  surfaces_.resize(blocks * kPhotonBlock);
+  blocks_.resize(blocks);
   block_groups_.resize(nodes);
   in_parallel(nodes, [&](std::size_t i) {
     // Find the photons
@@ -180,9 +214,8 @@ PhotonMap::PhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_
     for (std::size_t k = 0; k < count; ++k) boxes[k] = photons[k].box();
     set_boxes(group, boxes, count);
     for (std::uint32_t k = 0; k < count; ++k) {
-      describe_block(photons[k], scale, k, group);
-      fill_block(photons[k], group, k, scale, powers(), &blocks_[(first + k) * bytes],
-                 &surfaces_[(first + k) * kPhotonBlock]);
+      describe_block(photons[k], scale, k, powers(), group);
+      fill_block(photons[k], group, k, scale, powers(), rounding_offset(first + k), blocks_[first + k]);
     }
   });
   // Build the levels above
@@ -206,14 +239,13 @@ PhotonMap::PhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_
 std::size_t PhotonMap::bytes() const {
   std::size_t groups = 0;
   for (const UninitializedLargeTable<PhotonGroup>& level : groups_) groups += level.size();
-  return blocks_.size() + surfaces_.size() * sizeof(std::uint32_t) + block_groups_.size() * sizeof(PhotonBlockGroup) +
+  return blocks_.size() * sizeof(PhotonBlock) + block_groups_.size() * sizeof(PhotonBlockGroup) +
          groups * sizeof(PhotonGroup);
 }
 
 PhotonMapView PhotonMap::view() const {
   PhotonMapView v;
   v.blocks = blocks_.data();
-  v.surfaces = surfaces_.data();
   v.block_groups = block_groups_.data();
   for (std::size_t level = 0; level < groups_.size(); ++level) v.groups[level + 1] = groups_[level].data();
   v.levels = 1 + static_cast<int>(groups_.size());
@@ -226,20 +258,22 @@ PhotonMapView PhotonMap::view() const {
 }
 
 Photon PhotonMapView::photon(std::uint32_t i) const {
-  const std::uint32_t block = i / kPhotonBlock, at = i % kPhotonBlock, node = block % kPhotonBlock;
-  const PhotonBlockGroup& group = group_of(block);
+  const std::uint32_t at = i % kPhotonBlock, node = i / kPhotonBlock % kPhotonBlock;
+  const PhotonBlock& block = blocks[i / kPhotonBlock];
+  const PhotonBlockGroup& group = group_of(i / kPhotonBlock);
   const auto coordinate = [&](int axis) {
-    const auto steps = static_cast<float>(column(block, static_cast<std::uint32_t>(axis))[at]);
-    return fma(steps, group.position_step(axis), group.low[axis]);
+    const auto steps = static_cast<float>(kPhotonPosition[axis].of(block.positions[at]));
+    return fma(steps, group.position_step(node, axis), group.low_of(node, axis, 0.0f));
   };
-  const auto power = [&](std::uint32_t k) {
-    return k < powers ? static_cast<float>(column(block, 3 + k)[at]) * group.power_steps[node] : 0.0f;
+  const auto power = [&](int k) {
+    if (k >= static_cast<int>(powers)) return 0.0f;
+    return static_cast<float>(photon_power(powers, k).of(block.powers[at])) * group.power_step(node);
   };
   Photon photon;
   photon.p = {coordinate(0), coordinate(1), coordinate(2)};
   photon.power = {power(0), power(1), power(2), power(3)};
-  photon.direction = directions(block)[at];
-  photon.surface = surfaces[i];
+  photon.direction = block.directions[at];
+  photon.surface = block.surfaces[at];
   return photon;
 }
 

@@ -7,8 +7,9 @@
 // The map is compact, because lookups of final gathering are far from each other and find little in the caches. Boxes
 // are stored relative to the box of their group, in 8 bits and rounded outwards, as in compressed wide BVHs (Ylitie,
 // Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017). Positions are
-// stored relative to the box of the group, and powers relative to the largest component in the block, both in 16 bits
-// and rounded to the nearest. kernels/photons/photon_search.h searches maps.
+// stored relative to the box of the block, and powers relative to the largest component in the block, each in one word
+// per photon. Positions are rounded to the nearest step, and powers so that their sums are unbiased.
+// kernels/photons/photon_search.h searches maps.
 #pragma once
 
 #include "core/soa/large_table.h"
@@ -16,7 +17,6 @@
 #include "scene/tables/scene_view.h"
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -26,9 +26,31 @@ namespace sheaf {
 inline constexpr std::uint32_t kPhotonBlock = 16;
 static_assert(kPhotonBlock % kWidth == 0);
 
-/// Steps of boxes along the sides of a group's box, and of positions and powers. Boxes begin and end at steps of
-/// positions.
-inline constexpr float kBoxSteps = 255, kPhotonSteps = 65535;
+/// Steps of boxes along the sides of a group's box.
+inline constexpr float kBoxSteps = 255;
+
+/// An unsigned integer in some bits of a 32-bit word.
+struct PhotonField {
+  int shift;
+  std::uint32_t max;
+
+  template <class U> SHEAF_INLINE U of(U word) const { return (word >> shift) & U(max); }
+};
+
+/// Coordinates of photons along the sides of the block's box.
+inline constexpr PhotonField kPhotonPosition[3] = {{0, 2047}, {11, 2047}, {22, 1023}};
+/// Component `k` of `powers` in a photon's power.
+SHEAF_INLINE PhotonField photon_power(std::uint32_t powers, int k) {
+  return powers == 3 ? PhotonField{10 * k, 1023} : PhotonField{8 * k, 255};
+}
+
+/// A block of photons: a cache line for each column.
+struct alignas(64) PhotonBlock {
+  std::uint32_t positions[kPhotonBlock];   ///< see kPhotonPosition
+  std::uint32_t powers[kPhotonBlock];      ///< see photon_power()
+  std::uint32_t directions[kPhotonBlock];  ///< octahedral; towards the previous vertex
+  std::uint32_t surfaces[kPhotonBlock];    ///< see photon_surface()
+};
 
 /// The boxes of the nodes of a group.
 struct alignas(kSimdAlignment) PhotonGroup {
@@ -37,8 +59,15 @@ struct alignas(kSimdAlignment) PhotonGroup {
   std::uint32_t one_sided;              ///< level 0, bit i: all photons of block i arrive on the side of its normal
   std::uint8_t boxes[6][kPhotonBlock];  ///< lower and upper corners of the nodes, in steps
 
-  /// One step of positions along an axis, m.
-  SHEAF_INLINE float position_step(int axis) const { return step[axis] * (kBoxSteps / kPhotonSteps); }
+  /// Lower corner of a node's box along an axis, m from `origin`.
+  SHEAF_INLINE float low_of(std::uint32_t node, int axis, float origin) const {
+    return fma(static_cast<float>(boxes[axis][node]), step[axis], low[axis] - origin);
+  }
+  /// One step of positions in a block along an axis, m.
+  SHEAF_INLINE float position_step(std::uint32_t node, int axis) const {
+    return static_cast<float>(boxes[axis + 3][node] - boxes[axis][node]) * step[axis] *
+           (1.0f / static_cast<float>(kPhotonPosition[axis].max));
+  }
 };
 
 /// The nodes of level 0.
@@ -46,50 +75,34 @@ struct PhotonBlockGroup : PhotonGroup {
   /// The normal of all photons of a block and the longest path, as photon_surface(), with kMixedNormals if normals
   /// differ or photons are missing.
   std::uint32_t surfaces[kPhotonBlock];
-  float power_steps[kPhotonBlock];  ///< one step of the powers in a block, W
-  float powers[4][kPhotonBlock];    ///< sums over the photons of a block, W
+  std::uint16_t power_steps[kPhotonBlock];  ///< one step of the powers in a block, W: the high half of a float
+  std::uint16_t powers[4][kPhotonBlock];    ///< sums over the photons of a block, in steps
+
+  SHEAF_INLINE float power_step(std::uint32_t node) const {
+    return bits_float(static_cast<std::uint32_t>(power_steps[node]) << 16);
+  }
 };
 inline constexpr std::uint32_t kMixedNormals = kPhotonSingleWavelength;
 
 /// Minimum cosine between directions and the normal of a one-sided block.
 inline constexpr float kOneSidedCosine = 0.02f;
 
-/// The 16-bit columns of a block are x, y, z and three or four powers. The octahedral directions follow, towards the
-/// previous vertex.
-inline constexpr std::uint32_t kPhotonColumnBytes = kPhotonBlock * sizeof(std::uint16_t);
-/// Offset of the directions, in bytes.
-constexpr std::uint32_t photon_directions_offset(std::uint32_t powers) {
-  return ((3 + powers) * kPhotonColumnBytes + 63u) / 64u * 64u;
-}
-constexpr std::uint32_t photon_block_bytes(std::uint32_t powers) {
-  return photon_directions_offset(powers) + kPhotonBlock * static_cast<std::uint32_t>(sizeof(std::uint32_t));
-}
-
 /// Upper bound on the number of levels, for 2^32 photons.
 inline constexpr int kMaxPhotonLevels = 8;
 
 /// A photon map as kernels read it.
 struct PhotonMapView {
-  const std::byte* blocks = nullptr;                             ///< aligned to kSimdAlignment
+  const PhotonBlock* blocks = nullptr;
   const PhotonBlockGroup* block_groups = nullptr;                ///< level 0
   std::array<const PhotonGroup*, kMaxPhotonLevels> groups = {};  ///< by level, from level 1 on
-  const std::uint32_t* surfaces = nullptr;                       ///< see photon_surface(); aligned to kSimdAlignment
   int levels = 0;                                                ///< the last one is a single group
   std::uint32_t size = 0;                                        ///< photons
-  std::uint32_t powers = 4;                                      ///< columns of powers
+  std::uint32_t powers = 4;                                      ///< components of powers, 3 or 4
   float radius = 0;                                              ///< meters
   PhotonKernel kernel = PhotonKernel::kDisc;
   int lookup_size = 0;  ///< see PhotonMappingSettings
 
   bool empty() const { return size == 0; }
-  const std::byte* block(std::uint32_t i) const { return blocks + std::size_t{i} * photon_block_bytes(powers); }
-  /// Column k of a block: x, y, z, powers.
-  const std::uint16_t* column(std::uint32_t i, std::uint32_t k) const {
-    return reinterpret_cast<const std::uint16_t*>(block(i) + k * kPhotonColumnBytes);
-  }
-  const std::uint32_t* directions(std::uint32_t i) const {
-    return reinterpret_cast<const std::uint32_t*>(block(i) + photon_directions_offset(powers));
-  }
   const PhotonBlockGroup& group_of(std::uint32_t block) const { return block_groups[block / kPhotonBlock]; }
 
   /// Photon i as stored, for tests. Its order is 0.
@@ -113,8 +126,7 @@ class PhotonMap {
   std::uint32_t powers() const { return four_lanes_ ? 4 : 3; }
 
   std::size_t size_ = 0;
-  UninitializedLargeTable<std::byte> blocks_;
-  UninitializedLargeTable<std::uint32_t> surfaces_;
+  UninitializedLargeTable<PhotonBlock> blocks_;
   UninitializedLargeTable<PhotonBlockGroup> block_groups_;
   std::vector<UninitializedLargeTable<PhotonGroup>> groups_;  ///< from level 1 on
   float radius_ = 0;

@@ -41,6 +41,18 @@ template <class L> struct PhotonQuery {
   }
 };
 
+/// A list of blocks, with their boxes relative to a vertex.
+struct BlockList {
+  /// Lists longer than this are passed on.
+  static constexpr int kLong = 240;
+  static constexpr int kSize = kLong + static_cast<int>(kPhotonBlock);
+
+  std::uint32_t entries[kSize];  ///< see kBlockIndex
+  float low[3][kSize];           ///< lower corner of the block's box, m from the vertex
+  float step[3][kSize];          ///< one step of positions, m
+  int count = 0;
+};
+
 /// Lists of nodes of two levels, which searches reuse.
 struct PhotonSearchLists {
   std::vector<std::uint32_t> nodes = std::vector<std::uint32_t>(64), below = nodes;
@@ -54,8 +66,6 @@ template <class L> struct SummedPhotons {
 
 namespace photon_search {
 
-/// Lists of blocks longer than this are passed on.
-inline constexpr int kListed = 240;
 /// Number of groups of blocks that are prefetched ahead.
 inline constexpr std::size_t kGroupsAhead = 16;
 /// Minimum squared cosine between the normals of vertex and block for photons to arrive on the same side of both: the
@@ -84,8 +94,19 @@ template <class L> struct BoxSides {
     const Vec3<L> reach{min(below.x, above.x), min(below.y, above.y), min(below.z, above.z)};
     return dot(reach, reach);
   }
+  /// Appends the boxes of `bits` to a list, as lower corners and steps of positions.
+  SHEAF_INLINE void append(std::uint32_t bits, BlockList& list) const {
+    append(below.x, above.x, 0, bits, list);
+    append(below.y, above.y, 1, bits, list);
+    append(below.z, above.z, 2, bits, list);
+  }
 
  private:
+  static SHEAF_INLINE void append(Float<L> below, Float<L> above, int axis, std::uint32_t bits, BlockList& list) {
+    compress_store(list.low[axis] + list.count, below, bits);
+    const float of_side = 1.0f / static_cast<float>(kPhotonPosition[axis].max);
+    compress_store(list.step[axis] + list.count, (below + above) * Float<L>(-of_side), bits);
+  }
   static SHEAF_INLINE void side(const PhotonGroup& group, std::uint32_t at, int axis, Float<L> p, Float<L>& below,
                                 Float<L>& above) {
     const Float<L> offset = Float<L>(group.low[axis]) - p, step(group.step[axis]);
@@ -110,10 +131,14 @@ template <class L> SHEAF_INLINE Mask<L> bit_lanes(std::uint32_t bits) {
 template <class L>
 SHEAF_INLINE void add_powers(const PhotonBlockGroup& group, std::uint32_t at, Mask<L> lanes, std::uint32_t powers,
                              Spectrum<L>& sum) {
+  Uint<L> high;
+  load(group.power_steps + at, high);
+  const Float<L> step = select(lanes, bits_float(high << 16), Float<L>(0.0f));
   Spectrum<L> power(Float<L>(0.0f));
   load(group.powers[0] + at, power.c0), load(group.powers[1] + at, power.c1), load(group.powers[2] + at, power.c2);
   if (powers == 4) load(group.powers[3] + at, power.c3);
-  sum = sum + select<L>(lanes, power, Spectrum<L>(Float<L>(0.0f)));
+  sum = {fma(power.c0, step, sum.c0), fma(power.c1, step, sum.c1), fma(power.c2, step, sum.c2),
+         fma(power.c3, step, sum.c3)};
 }
 
 /// Appends the nodes [at, at + L::width) of `lanes`. Writes kWidth values. Returns the number of nodes.
@@ -136,15 +161,14 @@ SHEAF_INLINE int append_near_groups(const PhotonGroup& group, std::uint32_t firs
   return count;
 }
 
-/// Appends entries of a list of blocks, without those whose photons do not match the vertex. `sum`, unless null,
-/// receives blocks inside the sphere.
+/// Appends the blocks of a group that overlap the sphere of squared radius `within`, m^2, without those whose photons
+/// do not match the vertex. `sum`, unless null, receives blocks inside the sphere.
 template <class L>
-SHEAF_INLINE int append_near_blocks(const PhotonMapView& map, std::uint32_t index, const PhotonQuery<L>& query,
-                                    Float<L> within, SummedPhotons<L>* sum, std::uint32_t* out) {
+SHEAF_INLINE void append_near_blocks(const PhotonMapView& map, std::uint32_t index, const PhotonQuery<L>& query,
+                                     Float<L> within, SummedPhotons<L>* sum, BlockList& list) {
   using F = Float<L>;
   using U = Uint<L>;
   const PhotonBlockGroup& group = map.block_groups[index];
-  int count = 0;
   for (std::uint32_t at = 0; at < kPhotonBlock; at += static_cast<std::uint32_t>(L::width)) {
     const U node = U(at) + L::index();
     const BoxSides<L> sides(group, at, query.p);
@@ -172,9 +196,11 @@ SHEAF_INLINE int append_near_blocks(const PhotonMapView& map, std::uint32_t inde
       }
       entries = entries | select(lit, U(kBlockLit), U(0u));
     }
-    count += append<L>(entries, near, out + count);
+    const std::uint32_t bits = mask_bits(near);
+    compress_store(list.entries + list.count, entries, bits);
+    sides.append(bits, list);
+    list.count += std::popcount(bits);
   }
-  return count;
 }
 
 /// The groups of level 0 that may overlap the sphere of squared radius `within`, m^2, in ascending order.
@@ -198,33 +224,36 @@ std::span<const std::uint32_t> near_block_groups(const PhotonMapView& map, const
   return {lists.nodes.data(), count};
 }
 
-/// Prefetches what a search reads of a group of blocks.
-SHEAF_INLINE void prefetch_group(const PhotonBlockGroup& group) {
-  const auto* bytes = reinterpret_cast<const std::byte*>(&group);
-  for (std::size_t line = 0; line < sizeof group; line += 64) prefetch(bytes + line);
+/// Prefetches what a search reads of a group of blocks: the fourth power lies in the last cache line.
+SHEAF_INLINE void prefetch_group(const PhotonMapView& map, std::uint32_t index) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(map.block_groups + index);
+  const std::size_t lines = sizeof(PhotonBlockGroup) / 64 - (map.powers == 4 ? 0u : 1u);
+  for (std::size_t line = 0; line < lines; ++line) prefetch(bytes + 64 * line);
 }
+static_assert(sizeof(PhotonGroup) + sizeof(PhotonBlockGroup::surfaces) + sizeof(PhotonBlockGroup::power_steps) +
+                  3 * sizeof(PhotonBlockGroup::powers[0]) ==
+              sizeof(PhotonBlockGroup) - 64);
 
 }  // namespace photon_search
 
-/// Calls f(entries, count) for lists of the blocks that may hold photons within a distance of the vertex, in ascending
-/// order. `within`: squared distance, m^2; f may shrink it. `sum`: null, or receives the photons of some blocks that
-/// lie inside, which f does not get. `lists`: for the search itself. The map must not be empty.
+/// Calls f(list) for lists of the blocks that may hold photons within a distance of the vertex, in ascending order.
+/// `within`: squared distance, m^2; f may shrink it. `sum`: null, or receives the photons of some blocks that lie
+/// inside, which f does not get. `lists`: for the search itself. The map must not be empty.
 template <class L, class F>
 void for_blocks_near(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within, SummedPhotons<L>* sum,
                      PhotonSearchLists& lists, F&& f) {
   const auto groups = photon_search::near_block_groups<L>(map, query, Float<L>(within), lists);
   const auto prefetch_ahead = [&](std::size_t i) {
-    if (i < groups.size()) photon_search::prefetch_group(map.block_groups[groups[i]]);
+    if (i < groups.size()) photon_search::prefetch_group(map, groups[i]);
   };
   for (std::size_t i = 0; i < photon_search::kGroupsAhead; ++i) prefetch_ahead(i);
-  std::uint32_t found[photon_search::kListed + kPhotonBlock];
-  int length = 0;
+  BlockList list;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     prefetch_ahead(i + photon_search::kGroupsAhead);
-    length += photon_search::append_near_blocks<L>(map, groups[i], query, Float<L>(within), sum, found + length);
-    if (length == 0 || (i + 1 < groups.size() && length <= photon_search::kListed)) continue;
-    f(static_cast<const std::uint32_t*>(found), length);
-    length = 0;
+    photon_search::append_near_blocks<L>(map, groups[i], query, Float<L>(within), sum, list);
+    if (list.count == 0 || (i + 1 < groups.size() && list.count <= BlockList::kLong)) continue;
+    f(static_cast<const BlockList&>(list));
+    list.count = 0;
   }
 }
 
@@ -234,17 +263,20 @@ template <class L> struct NearPhotons {
   Float<L> squared;
 };
 
-/// A block of a list, for one vertex.
+/// Block i of a list, for the vertex of the list.
 template <class L> class NearBlock {
  public:
-  SHEAF_INLINE NearBlock(const PhotonMapView& map, std::uint32_t entry) : map_(map), entry_(entry) {}
+  SHEAF_INLINE NearBlock(const PhotonMapView& map, const BlockList& list, int i)
+      : map_(map), list_(list), i_(i), entry_(list.entries[i]) {}
 
   /// `within`: squared radius, m^2. Distances in blocks inside the sphere are 0 unless `needs_distances`.
   SHEAF_INLINE NearPhotons<L> near(std::uint32_t at, const PhotonQuery<L>& query, float within,
                                    bool needs_distances) const {
     NearPhotons<L> near{Mask<L>(true), Float<L>(0.0f)};
     if (needs_distances || (entry_ & kBlockInside) == 0) {
-      const Vec3<L> d{offset(at, 0, query.p.x), offset(at, 1, query.p.y), offset(at, 2, query.p.z)};
+      Uint<L> words;
+      load(block().positions + at, words);
+      const Vec3<L> d{offset(words, 0), offset(words, 1), offset(words, 2)};
       near.squared = dot(d, d);
       near.lanes = near.squared < Float<L>(within);
     }
@@ -263,35 +295,35 @@ template <class L> class NearBlock {
   /// steps.
   SHEAF_INLINE Uint<L> direction(std::uint32_t at) const {
     Uint<L> out;
-    load(map_.directions(index()) + at, out);
+    load(block().directions + at, out);
     return out;
   }
   SHEAF_INLINE Uint<L> surface(std::uint32_t at) const {
     Uint<L> out;
-    load(map_.surfaces + std::size_t{index()} * kPhotonBlock + at, out);
+    load(block().surfaces + at, out);
     return out;
   }
   SHEAF_INLINE Spectrum<L> power(std::uint32_t at) const {
-    Spectrum<L> out;
-    load(map_.column(index(), 3) + at, out.c0), load(map_.column(index(), 4) + at, out.c1);
-    load(map_.column(index(), 5) + at, out.c2);
+    Uint<L> words;
+    load(block().powers + at, words);
+    const auto component = [&](int k) SHEAF_LAMBDA_INLINE { return to_float(photon_power(map_.powers, k).of(words)); };
     // Without a fourth lane, paths ignore its value.
-    if (map_.powers == 4) load(map_.column(index(), 6) + at, out.c3);
-    return out;
+    return {component(0), component(1), component(2), component(3)};
   }
   /// Power of one step, W.
-  SHEAF_INLINE float power_step() const { return map_.group_of(index()).power_steps[index() % kPhotonBlock]; }
+  SHEAF_INLINE float power_step() const { return map_.group_of(index()).power_step(index() % kPhotonBlock); }
 
  private:
-  /// Distances along an axis.
-  SHEAF_INLINE Float<L> offset(std::uint32_t at, int axis, Float<L> p) const {
-    const PhotonBlockGroup& group = map_.group_of(index());
-    Float<L> steps;
-    load(map_.column(index(), static_cast<std::uint32_t>(axis)) + at, steps);
-    return fma(steps, Float<L>(group.position_step(axis)), Float<L>(group.low[axis]) - p);
+  const PhotonBlock& block() const { return map_.blocks[index()]; }
+  /// Distances along an axis. `words`: see PhotonBlock::positions.
+  SHEAF_INLINE Float<L> offset(Uint<L> words, int axis) const {
+    return fma(to_float(kPhotonPosition[axis].of(words)), Float<L>(list_.step[axis][i_]),
+               Float<L>(list_.low[axis][i_]));
   }
 
   const PhotonMapView& map_;
+  const BlockList& list_;
+  int i_;
   std::uint32_t entry_;
 };
 

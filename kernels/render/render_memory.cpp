@@ -73,8 +73,7 @@ double photon_bytes(const StageContext& context) {
   if (!context.integrator.traits().has_photon_maps()) return 0;
   const PhotonMappingSettings& photons = context.integrator.photons;
   constexpr double kKey = sizeof(std::uint64_t), kSorted = 9 * sizeof(float);
-  constexpr double kInBlocks =
-      sizeof(std::uint32_t) + (photon_block_bytes(4) + 1.1 * sizeof(PhotonBlockGroup) / kPhotonBlock) / kPhotonBlock;
+  constexpr double kInBlocks = (sizeof(PhotonBlock) + 1.1 * sizeof(PhotonBlockGroup) / kPhotonBlock) / kPhotonBlock;
   double traced = 0, sorted = 0;
   const auto add = [&](const PhotonMapSettings& map, double of_traced, double of_sorted) {
     traced = std::max(traced, of_traced * static_cast<double>(map.count));

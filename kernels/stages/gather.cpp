@@ -145,13 +145,13 @@ template <class L> float sum_of_lanes(Float<L> value) {
   return sum;
 }
 
-/// Prefetches what a lookup reads of a block: directions only if some photons may arrive on the other side.
+/// Prefetches what a lookup reads of a block: directions only if some photons may arrive on the other side, and
+/// surfaces only if they differ.
 SHEAF_INLINE void prefetch_block(const PhotonMapView& map, std::uint32_t entry) {
-  const std::byte* block = map.block(entry & kBlockIndex);
-  const std::uint32_t directions = photon_directions_offset(map.powers);
-  for (const std::uint32_t line : {0u, 64u, 128u}) prefetch(block + line);
-  if (directions > 192) prefetch(block + 192);  // the fourth power
-  if ((entry & kBlockLit) == 0) prefetch(block + directions);
+  const PhotonBlock& block = map.blocks[entry & kBlockIndex];
+  prefetch(block.positions), prefetch(block.powers);
+  if ((entry & kBlockLit) == 0) prefetch(block.directions);
+  if ((entry & kBlockMixed) != 0) prefetch(block.surfaces);
 }
 
 /// Calls f(total, block, at, near) for each register of photons that may hold some within the distance of the vertex:
@@ -162,12 +162,12 @@ SHEAF_INLINE void for_photons_near(const PhotonMapView& map, const PhotonQuery<L
                                    bool needs_distances, SummedPhotons<L>* sum, PhotonSearchLists& lists, T& total,
                                    F&& f) {
   constexpr int kAhead = 16;
-  for_blocks_near<L>(map, query, within, sum, lists, [&](const std::uint32_t* entries, int count) SHEAF_LAMBDA_INLINE {
-    for (int i = 0; i < std::min(count, kAhead); ++i) prefetch_block(map, entries[i]);
+  for_blocks_near<L>(map, query, within, sum, lists, [&](const BlockList& list) SHEAF_LAMBDA_INLINE {
+    for (int i = 0; i < std::min(list.count, kAhead); ++i) prefetch_block(map, list.entries[i]);
     T of_list = total;  // a copy that stays in registers
-    for (int i = 0; i < count; ++i) {
-      if (i + kAhead < count) prefetch_block(map, entries[i + kAhead]);
-      const NearBlock<L> block(map, entries[i]);
+    for (int i = 0; i < list.count; ++i) {
+      if (i + kAhead < list.count) prefetch_block(map, list.entries[i + kAhead]);
+      const NearBlock<L> block(map, list, i);
       for (std::uint32_t at = 0; at < kPhotonBlock; at += static_cast<std::uint32_t>(L::width))
         f(of_list, block, at, block.near(at, query, within, needs_distances));
     }

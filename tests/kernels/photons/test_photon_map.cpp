@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -46,9 +47,14 @@ bool same_photons(const PhotonMapView& a, const PhotonMapView& b) {
   if (a.size != b.size || a.powers != b.powers) return false;
   const std::size_t blocks = (a.size + kPhotonBlock - 1) / kPhotonBlock;
   const std::size_t groups = (blocks + kPhotonBlock - 1) / kPhotonBlock;
-  return std::memcmp(a.blocks, b.blocks, blocks * photon_block_bytes(a.powers)) == 0 &&
-         std::memcmp(a.surfaces, b.surfaces, a.size * sizeof(std::uint32_t)) == 0 &&
-         std::memcmp(a.block_groups, b.block_groups, groups * sizeof(PhotonBlockGroup)) == 0;
+  const auto same_groups = [](const PhotonBlockGroup& x, const PhotonBlockGroup& y) {
+    // All but the padding at the end
+    const auto* end = reinterpret_cast<const std::byte*>(x.powers + 4);
+    const auto bytes = static_cast<std::size_t>(end - reinterpret_cast<const std::byte*>(&x));
+    return std::memcmp(&x, &y, bytes) == 0;
+  };
+  return std::memcmp(a.blocks, b.blocks, blocks * sizeof(PhotonBlock)) == 0 &&
+         std::equal(a.block_groups, a.block_groups + groups, b.block_groups, same_groups);
 }
 
 /// The photons of a map as it stores them.
@@ -66,9 +72,9 @@ void search(const PhotonMapView& map, Vec3f p, Vec3f normal, std::uint32_t edges
   const float within = map.radius * map.radius;
   std::uint32_t next = 0;
   PhotonSearchLists lists;
-  for_blocks_near<L>(map, query, within, sum, lists, [&](const std::uint32_t* entries, int count) {
-    for (int i = 0; i < count; ++i) {
-      const NearBlock<L> block(map, entries[i]);
+  for_blocks_near<L>(map, query, within, sum, lists, [&](const BlockList& list) {
+    for (int i = 0; i < list.count; ++i) {
+      const NearBlock<L> block(map, list, i);
       CHECK(block.index() >= next);  // ascending, each once
       next = block.index() + 1;
       for (std::uint32_t at = 0; at < kPhotonBlock; at += static_cast<std::uint32_t>(L::width)) {
@@ -119,29 +125,127 @@ TEST_CASE("photon map: every photon within the radius of a point is found once")
     }
 }
 
-TEST_CASE("photon map: stored photons differ from traced ones by at most half a step") {
-  const auto tasks = random_photons(3, 2000, 2);
-  for (const bool four_lanes : {false, true}) {
-    const PhotonMap map(tasks, 10, 0.1f, PhotonKernel::kDisc, 0, four_lanes);
-    const PhotonOrder order(tasks, 0.0125f);
-    REQUIRE(map.size() == order.size());
-    for (std::uint32_t i = 0; i < map.view().size; ++i) {
-      const Photon stored = map.view().photon(i), &traced = order[i];
-      const PhotonBlockGroup& group = map.view().group_of(i / kPhotonBlock);
-      const Vec3f step{group.position_step(0), group.position_step(1), group.position_step(2)};
-      const Vec3f d = abs(stored.p - traced.p);
-      CHECK(d.x <= 0.51f * step.x + 2e-7f);
-      CHECK(d.y <= 0.51f * step.y + 2e-7f);
-      CHECK(d.z <= 0.51f * step.z + 2e-7f);
-      CHECK(max_component(step) < 1e-4f);
-      const float power_step = 0.51f * group.power_steps[i / kPhotonBlock % kPhotonBlock];
-      CHECK(std::fabs(stored.power.c0 - 0.1f * traced.power.c0) <= power_step);
-      CHECK(std::fabs(stored.power.c2 - 0.1f * traced.power.c2) <= power_step);
-      CHECK(power_step < 1e-5f);
-      CHECK(stored.direction == traced.direction);
-      CHECK(stored.surface == traced.surface);
+namespace {
+
+/// Checks each photon of a map against the traced one: positions within half a step of the block's box, and powers
+/// within a step. `place`: largest absolute coordinate, m.
+void check_stored(const std::vector<std::vector<Photon>>& tasks, float place, bool four_lanes) {
+  constexpr float kRadius = 0.1f;
+  const PhotonMap map(tasks, 10, kRadius, PhotonKernel::kDisc, 0, four_lanes);
+  const PhotonMapView view = map.view();
+  const PhotonOrder order(tasks, kRadius / 8);
+  REQUIRE(map.size() == order.size());
+  const auto coordinate = [](const Photon& photon, int axis) {
+    return axis == 0 ? photon.p.x : axis == 1 ? photon.p.y : photon.p.z;
+  };
+  /// The extent of `count` blocks from `block` on.
+  const auto extent = [&](std::uint32_t block, std::uint32_t count, int axis) {
+    float low = kInfinity, high = -kInfinity;
+    for (std::uint32_t i = block * kPhotonBlock; i < std::min(view.size, (block + count) * kPhotonBlock); ++i)
+      low = std::min(low, coordinate(order[i], axis)), high = std::max(high, coordinate(order[i], axis));
+    return high - low;
+  };
+  for (std::uint32_t block = 0; block * kPhotonBlock < view.size; ++block)
+    for (int axis = 0; axis < 3; ++axis) {
+      // Steps divide the block's box, which exceeds that of its photons by less than two steps of the group
+      const float of_group = extent(block / kPhotonBlock * kPhotonBlock, kPhotonBlock, axis);
+      const float box = extent(block, 1, axis) + 2.1f / kBoxSteps * of_group;
+      const float step = view.group_of(block).position_step(block % kPhotonBlock, axis);
+      CHECK(step <= box / (axis == 2 ? 1000.0f : 2000.0f) + 4e-7f * place);
+      for (std::uint32_t i = block * kPhotonBlock; i < std::min(view.size, (block + 1) * kPhotonBlock); ++i)
+        CHECK(std::fabs(coordinate(view.photon(i), axis) - coordinate(order[i], axis)) <= 0.51f * step + 4e-7f * place);
     }
+  for (std::uint32_t i = 0; i < view.size; ++i) {
+    const Photon stored = view.photon(i), &traced = order[i];
+    const std::uint32_t block = i / kPhotonBlock, node = block % kPhotonBlock;
+    const PhotonBlockGroup& group = view.group_of(block);
+    const float power_step = group.power_step(node);
+    CHECK(std::fabs(stored.power.c0 - 0.1f * traced.power.c0) <= 1.001f * power_step);
+    CHECK(std::fabs(stored.power.c2 - 0.1f * traced.power.c2) <= 1.001f * power_step);
+    CHECK(stored.direction == traced.direction);
+    CHECK(stored.surface == traced.surface);
   }
+  // Sums of a block are those of its photons as stored, and wrong by less than a step
+  for (std::uint32_t block = 0; block * kPhotonBlock < view.size; ++block) {
+    const PhotonBlockGroup& group = view.group_of(block);
+    const float step = group.power_step(block % kPhotonBlock);
+    double stored = 0, traced = 0, largest = 0;
+    for (std::uint32_t i = block * kPhotonBlock; i < std::min(view.size, (block + 1) * kPhotonBlock); ++i) {
+      const Spectrum4& power = order[i].power;
+      stored += static_cast<double>(view.photon(i).power.c1), traced += 0.1 * static_cast<double>(power.c1);
+      const float last = four_lanes ? power.c3 : 0;
+      largest = std::max(largest, 0.1 * static_cast<double>(std::max({power.c0, power.c1, power.c2, last})));
+    }
+    CHECK(std::fabs(stored - traced) <= 1.001 * static_cast<double>(step));
+    CHECK(stored == near(static_cast<double>(step) * group.powers[1][block % kPhotonBlock], 1e-6));
+    CHECK(static_cast<double>(step) <= largest / (four_lanes ? 250 : 1000));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("photon map: stored photons differ from traced ones by at most a step") {
+  for (const bool four_lanes : {false, true}) check_stored(random_photons(3, 2000, 2), 2, four_lanes);
+}
+
+TEST_CASE("photon map: photons of extreme extents, places and powers are stored within a step") {
+  const auto photons_with = [](int each, float size, Vec3f center, auto&& change) {
+    auto tasks = random_photons(2, each, size);
+    std::uint32_t i = 0;
+    for (auto& task : tasks)
+      for (Photon& photon : task) photon.p = photon.p + center, change(photon, i++);
+    return tasks;
+  };
+  const auto nothing = [](Photon&, std::uint32_t) {};
+  for (const bool four_lanes : {false, true}) {
+    check_stored(photons_with(3000, 1e-3f, {1e4f, -1e4f, 3e3f}, nothing), 1e4f, four_lanes);  // few floats apart
+    check_stored(photons_with(3000, 1e8f, {}, nothing), 1e8f, four_lanes);
+    check_stored(photons_with(3000, 1e-12f, {}, nothing), 1e-12f, four_lanes);
+    check_stored(photons_with(500, 0, {1, 2, 3}, nothing), 3, four_lanes);  // no extent
+    check_stored(photons_with(3000, 1, {}, [](Photon& photon, std::uint32_t) { photon.p.y = 0.3f; }), 1, four_lanes);
+    check_stored({{random_photons(1, 1, 1)[0][0]}}, 1, four_lanes);
+    // Single photons far from dense ones
+    check_stored(photons_with(3000, 1e-2f, {},
+                              [](Photon& photon, std::uint32_t i) {
+                                if (i % 97 == 0) photon.p = photon.p * 1e6f;
+                              }),
+                 1e4f, four_lanes);
+    for (const float power : {1e-20f, 1e20f})
+      check_stored(
+          photons_with(3000, 1, {}, [power](Photon& photon, std::uint32_t) { photon.power = photon.power * power; }), 1,
+          four_lanes);
+    check_stored(photons_with(3000, 1, {},
+                              [](Photon& photon, std::uint32_t i) {
+                                photon.power = photon.power * std::pow(10.0f, static_cast<float>(i % 41) - 20);
+                              }),
+                 1, four_lanes);
+    check_stored(photons_with(3000, 1, {}, [](Photon& photon, std::uint32_t) { photon.power = {}; }), 1, four_lanes);
+  }
+}
+
+TEST_CASE("photon map: rounded powers are unbiased") {
+  // Powers of one color: the same error in each block would add up
+  for (const bool four_lanes : {false, true})
+    for (const int each : {16, 4001}) {
+      auto tasks = random_photons(5, each, 1);
+      for (auto& task : tasks)
+        for (Photon& photon : task) photon.power = {1, 0.3331f, 0.012345f, four_lanes ? 0.00123f : 0.0f};
+      const PhotonMap map(tasks, 1, 0.1f, PhotonKernel::kDisc, 0, four_lanes);
+      double sums[4] = {};
+      for (const Photon& photon : photons_of(map.view())) {
+        const float power[4] = {photon.power.c0, photon.power.c1, photon.power.c2, photon.power.c3};
+        for (std::size_t k = 0; k < 4; ++k) sums[k] += static_cast<double>(power[k]);
+      }
+      const double count = 5.0 * each, blocks = std::ceil(count / kPhotonBlock), step = four_lanes ? 1.0 / 250 : 1e-3;
+      const double expected[4] = {count, count * 0.3331, count * 0.012345, four_lanes ? count * 0.00123 : 0.0};
+      // Offsets of low discrepancy: errors of single blocks of up to one step cancel
+      for (std::size_t k = 0; k < 4; ++k) CHECK(std::fabs(sums[k] - expected[k]) <= step * (1 + std::log2(blocks)));
+      if (each > 1000) {
+        CHECK(sums[0] == near(expected[0], 1e-5));
+        CHECK(sums[1] == near(expected[1], 1e-5));
+        CHECK(sums[2] == near(expected[2], 1e-4));
+      }
+    }
 }
 
 /// Photons on a plane with two normals and, on one half, from both sides.
@@ -309,15 +413,14 @@ namespace {
 constexpr double kLookupRadius = 0.4;
 
 /// Red radiance that the photons around a diffuse vertex reflect, over its reflectance.
-double gathered_by_hand(const VertexItem<Scalar>& item, const std::vector<std::vector<Photon>>& tasks,
-                        PhotonKernel kernel, int lookup_size) {
+double gathered_by_hand(const VertexItem<Scalar>& item, const std::vector<Photon>& photons, PhotonKernel kernel,
+                        int lookup_size) {
   std::vector<std::pair<double, const Photon*>> near;
-  for (const auto& task : tasks)
-    for (const Photon& photon : task) {
-      const double distance = static_cast<double>(length(photon.p - item.p));
-      if (distance < kLookupRadius && std::fabs(item.ng.y) > 0.5f && (photon.surface & kMaxPhotonEdges) <= 3)
-        near.emplace_back(distance, &photon);
-    }
+  for (const Photon& photon : photons) {
+    const double distance = static_cast<double>(length(photon.p - item.p));
+    if (distance < kLookupRadius && std::fabs(item.ng.y) > 0.5f && (photon.surface & kMaxPhotonEdges) <= 3)
+      near.emplace_back(distance, &photon);
+  }
   double radius = kLookupRadius;
   if (lookup_size > 0 && near.size() >= static_cast<std::size_t>(lookup_size)) {
     std::sort(near.begin(), near.end());
@@ -332,7 +435,7 @@ double gathered_by_hand(const VertexItem<Scalar>& item, const std::vector<std::v
     if (item.wo.z <= 0 || dot(wi, item.ns) <= 0) continue;
     const double k = kernel == PhotonKernel::kDisc ? 1 : kernel == PhotonKernel::kCone ? 3 * (1 - x) : 2 * (1 - x * x);
     const double shading = std::fabs(static_cast<double>(dot(wi, item.ns)) / static_cast<double>(dot(wi, item.ng)));
-    sum += k * shading * static_cast<double>(photon->power.c0) / 1000;
+    sum += k * shading * static_cast<double>(photon->power.c0);
   }
   const double pi = 3.14159265358979;
   return sum / pi / (pi * radius * radius);
@@ -361,6 +464,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
     CAPTURE_BINDING(lookup_size);
     const PhotonMap map(tasks, 1000, static_cast<float>(kLookupRadius), kernel, lookup_size);
     const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
+    const std::vector<Photon> photons = photons_of(map.view());
     TestWave wide(120, 0), scalar(120, 0);
     wide.begin({2, 7, 14, 15}, 0, 2, 16);
     StageContext context = wide.context(*scene);
@@ -386,7 +490,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
       const auto item = wide.wave.vertices.load<Scalar>(run.column_begin + i);
       const Slot slot = wide.wave.sorted[run.slot_begin + i];
       const float reflectance = wide.wave.closures.columns().words[0][run.column_begin + i];
-      const double expected = static_cast<double>(reflectance) * gathered_by_hand(item, tasks, kernel, lookup_size);
+      const double expected = static_cast<double>(reflectance) * gathered_by_hand(item, photons, kernel, lookup_size);
       INFO("item " << i);
       CHECK(static_cast<double>(scalar.wave.radiance.row(slot).radiance.c0) == near(expected, 2e-3));
     }
