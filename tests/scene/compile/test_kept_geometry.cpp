@@ -2,6 +2,7 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/geometry/kept_geometry.h"
 #include "tests/support/files/scene_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -94,7 +95,7 @@ TEST_CASE(
     packet.set_ray(3, {0.5f, 2.25f, 9}, {0, 0, -1});       // the instance
     accel->intersect(packet, 4);
     CHECK(packet.shape[0] == 0);
-    CHECK(packet.t_far[0] == 8);
+    CHECK(packet.t_far[0] == near(8, 1e-6));  // depends on the width of Embree's registers
     CHECK(packet.shape[1] == (x < 2 ? 0 : 1));
     CHECK(packet.shape[2] == kNone);
     CHECK(packet.instance[3] == 0);
@@ -116,7 +117,7 @@ TEST_CASE("kept geometry: rays hit the same surfaces, and rows have the new mate
     packet.set_ray(2, {5, 5, 9}, {0, 0, -1});
     scene->view().accel->intersect(packet, 3);
     CHECK(packet.shape[0] == 0);
-    CHECK(packet.t_far[0] == 8);
+    CHECK(packet.t_far[0] == near(8, 1e-6));  // depends on the width of Embree's registers
     CHECK(packet.instance[1] == 0);
     CHECK(packet.shape[2] == kNone);
     CHECK(scene->view().geometry.shape_count == 4);
