@@ -3,7 +3,7 @@
 #include "core/math/half.h"
 #include "scene/compile/textures/compile_textures.h"
 #include "scene/spectra/spectrum_rgb.h"
-#include "scene/tables/tiled_image.h"
+#include "scene/textures/tiled_image.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>

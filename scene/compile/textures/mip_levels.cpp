@@ -2,8 +2,8 @@
 
 #include "core/color/color.h"
 #include "core/math/half.h"
-#include "scene/tables/tiled_image.h"
 #include "scene/textures/lookups/bitmap.h"
+#include "scene/textures/tiled_image.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

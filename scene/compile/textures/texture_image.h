@@ -1,8 +1,8 @@
 // Reads an image for use as a texture: selects channels, decodes values, and arranges them in tiles.
 #pragma once
 
-#include "scene/tables/tiled_image.h"
 #include "scene/textures/bitmap.h"
+#include "scene/textures/tiled_image.h"
 
 namespace sheaf {
 

@@ -3,8 +3,8 @@
 
 #include "core/image/exr.h"
 #include "core/io/file_cache.h"
-#include "scene/tables/tiled_image.h"
 #include "scene/textures/lookups/bitmap.h"
+#include "scene/textures/tiled_image.h"
 #include "tests/scene/textures/texture_lookups.h"
 #include "tests/support/capture.h"
 #include "tests/support/files/image_files.h"

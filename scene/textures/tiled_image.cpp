@@ -1,4 +1,4 @@
-#include "scene/tables/tiled_image.h"
+#include "scene/textures/tiled_image.h"
 
 namespace sheaf {
 
