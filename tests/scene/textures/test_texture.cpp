@@ -4,8 +4,6 @@
 
 #include "core/color/color.h"
 #include "core/image/exr.h"
-#include "core/image/formats/jpeg.h"
-#include "core/image/image_rows.h"
 #include "core/math/half.h"
 #include "scene/compile/textures/texture_image.h"
 #include "tests/support/capture.h"
@@ -319,28 +317,6 @@ TEST_CASE("texture: compiled rows match their descriptions") {
   CHECK(compiled.rows[3].data<ConstantRow>().rgb[2] == 2.0f);
   CHECK(compiled.rows[3].data<ConstantRow>().scalar == luminance({1, 0.5f, 2}));
   CHECK(reinterpret_cast<std::uintptr_t>(compiled.images[0].tiles) % 64 == 0);
-}
-
-TEST_CASE("texture: PNG and JPEG files are read in bands of rows") {
-  const TemporaryFolder folder;
-  Image image(1021, 1103, {"R", "G", "B"});  // 4.5 MB of texels, more than four bands
-  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<float>(i * i % 251) / 251;
-  write_png(folder / "a.png", image);
-  const StoredImage values = read_stored_image(folder / "a.png");
-  std::string problem;
-  const std::vector<unsigned char> jpeg =
-      encode_jpeg({values.width, values.height, 3, false, 8, values.bytes.data()}, 90, "", problem);
-  write_bytes(folder / "a.jpg", {jpeg.begin(), jpeg.end()});
-  for (const char* const name : {"a.png", "a.jpg"}) {
-    CAPTURE(std::string(name));
-    CHECK(ImageRows::open(folder / name).has_value());
-    const StoredImage whole = read_stored_image(folder / name);
-    CHECK(holds(load_image(folder / name, false), {whole.bytes.begin(), whole.bytes.end()}, 3));
-  }
-  write_bytes(folder / "a.jpg", {jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() / 2)});
-  CHECK(contains(message_of([&] { load_image(folder / "a.jpg", false); }), "ends too early"));
-  write_pnm(folder / "a.pgm", 16, 16, 1, 255, ramp(256));
-  CHECK(!ImageRows::open(folder / "a.pgm").has_value());
 }
 
 TEST_CASE("texture: a file is loaded once for each way of reading it") {
