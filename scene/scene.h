@@ -24,6 +24,7 @@ struct SceneInfo {
   std::size_t table_bytes = 0, accel_bytes = 0;
   BvhLayout bvh = BvhLayout::kFast;
   BvhSplits bvh_splits = BvhSplits::kNotNeeded;
+  bool bvh_along_curve = false;  ///< whether a structure was built by BvhBuild::kMorton
 };
 
 /// All tables of a scene. Moving them does not move their rows, to which the acceleration structure refers.

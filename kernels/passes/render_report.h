@@ -36,7 +36,7 @@ struct RenderReport {
   std::vector<MemoryUse> memory;  ///< of the scene, measured, and of the render, estimated before it
   std::uint64_t triangles = 0;    ///< of the scene, without copies by instances
   std::string bvh;                ///< layout of the acceleration structure, "fast" or "compact"
-  std::string bvh_splits;         ///< its spatial splits, and why; empty: unknown
+  std::string bvh_build;          ///< how it was built, and why; empty: unknown
   double render_seconds = 0;      ///< wall-clock time of rendering only
   /// Number of photons in photon maps, and the time to make the maps.
   struct Photons {

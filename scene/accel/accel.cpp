@@ -45,17 +45,20 @@ struct ValidMasks {
 constexpr ValidMasks kValid;
 
 /// Attaches the shapes of `range` with ids from 0: the size of Embree's tables depends on the largest id. `structure`:
-/// index in AccelInput::splits.
+/// index in AccelInput::builds.
 void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, std::size_t structure, ShapeRange range,
                    std::deque<SdfGridView>& grids) {
-  const bool splits = !in.updatable && structure < in.splits.size() && in.splits[structure];
-  if (splits) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  const BvhBuild build = in.updatable || structure >= in.builds.size() ? BvhBuild::kSurface : in.builds[structure];
+  if (build == BvhBuild::kSpatial) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  if (build == BvhBuild::kMorton) build_meshes_apart(scene);
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];
-    const bool is_empty = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh && shape.triangle_count == 0;
-    if (is_empty || (shape.flags & kUntraced) != 0) continue;
-    attach_geometry(scene, make_embree_shape(device, in, i, grids), id);
+    const bool is_mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;
+    if ((is_mesh && shape.triangle_count == 0) || (shape.flags & kUntraced) != 0) continue;
+    RTCGeometry geometry = make_embree_shape(device, in, i, grids);
+    if (is_mesh && build == BvhBuild::kMorton) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
+    attach_geometry(scene, geometry, id);
   }
 }
 

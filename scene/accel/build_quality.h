@@ -1,4 +1,4 @@
-// Decides which acceleration structures are built with spatial splits.
+// Decides how acceleration structures are built.
 #pragma once
 
 #include "scene/accel/accel.h"
@@ -14,15 +14,16 @@ double wasted_boxes(const AccelInput& in, ShapeRange shapes);
 /// Whether so few triangles need no faster build.
 bool is_small_for_builds(double triangles);
 
-/// AccelInput::splits, and the result for the whole scene.
-struct SplitChoice {
-  std::vector<bool> splits;
-  BvhSplits result = BvhSplits::kNotNeeded;
+/// AccelInput::builds, and what became of spatial splits in the whole scene.
+struct BuildChoice {
+  std::vector<BvhBuild> builds;
+  BvhSplits splits = BvhSplits::kNotNeeded;
 };
 
-/// Structures of much waste have splits if `rays`, traced in the scene, repay the build, which takes two to six times
-/// as long. `rays` are shared by the instances; each of them counts for the shapes outside of groups. All structures
-/// have splits if `rays` repay those of all, and in small scenes.
-SplitChoice choose_splits(const AccelInput& in, double rays);
+/// Structures of much waste have spatial splits if `rays`, traced in the scene, repay the build, which takes two to six
+/// times as long. `rays` are shared by the instances; each of them counts for the shapes outside of groups. All
+/// structures of much waste have splits if `rays` repay those of all, and in small scenes. Structures that meet very
+/// few rays are built along a Morton curve.
+BuildChoice choose_builds(const AccelInput& in, double rays);
 
 }  // namespace sheaf

@@ -57,10 +57,11 @@ RTCScene make_embree_scene(RTCDevice device, EmbreeOptions options) {
                          (options.compact ? static_cast<unsigned>(RTC_SCENE_FLAG_COMPACT) : 0u) |
                          (options.updatable ? static_cast<unsigned>(RTC_SCENE_FLAG_DYNAMIC) : 0u);
   if (flags != 0) rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags));
-  // Embree's name for two levels, of which the lower ones have the quality of the geometries
-  if (options.updatable) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+  if (options.updatable) build_meshes_apart(scene);
   return scene;
 }
+
+void build_meshes_apart(RTCScene scene) { rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW); }
 
 void attach_geometry(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
   rtcCommitGeometry(geometry);

@@ -46,6 +46,10 @@ struct EmbreeScene {
 /// An empty scene.
 RTCScene make_embree_scene(RTCDevice device, EmbreeOptions options);
 
+/// Lets commit_scene() build a structure for each mesh, with the quality of its geometry, and one over these. Embree
+/// calls it the low quality of a scene.
+void build_meshes_apart(RTCScene scene);
+
 /// Commits the geometry, attaches it to the scene under this id, and releases it.
 void attach_geometry(RTCScene scene, RTCGeometry geometry, std::uint32_t id);
 

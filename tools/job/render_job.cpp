@@ -34,13 +34,14 @@ std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
   return half_turn * camera.to_world.inverse_matrix();
 }
 
-/// Spatial splits of the BVH, and why.
-std::string describe_splits(BvhSplits splits, double rays, std::size_t triangles) {
-  if (splits == BvhSplits::kNotNeeded) return "spatial splits not needed";
-  const double rays_per_triangle = rays / std::max(static_cast<double>(triangles), 1.0);
+/// How the BVH was built, and why.
+std::string describe_build(const SceneInfo& info, double rays) {
+  if (info.bvh_splits == BvhSplits::kNotNeeded && !info.bvh_along_curve) return "spatial splits not needed";
+  const double rays_per_triangle = rays / std::max(static_cast<double>(info.triangles), 1.0);
   const std::string reason =
       rays < kInfinity ? fmt::format(", at most {:.2g} rays per triangle", rays_per_triangle) : "";
-  return (splits == BvhSplits::kBuilt ? "with spatial splits" : "without spatial splits") + reason;
+  if (info.bvh_along_curve) return "along a Morton curve" + reason;
+  return (info.bvh_splits == BvhSplits::kBuilt ? "with spatial splits" : "without spatial splits") + reason;
 }
 
 /// Samples per pixel taken so far, rounded.
@@ -113,7 +114,7 @@ void add_loading(RenderReport& report, const LoadedScene& loaded, double load_se
   const SceneInfo info = loaded.scene->info();
   report.triangles = info.triangles;
   report.bvh = info.bvh == BvhLayout::kCompact ? "compact" : "fast";
-  report.bvh_splits = describe_splits(info.bvh_splits, expected_rays(loaded.settings), info.triangles);
+  report.bvh_build = describe_build(info, expected_rays(loaded.settings));
 }
 
 ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, const RenderReport& report,

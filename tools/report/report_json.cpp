@@ -126,7 +126,7 @@ std::string to_json(const RenderReport& report) {
       {"peak_private_bytes", report.peak_private_bytes},
       {"triangles", report.triangles},
       {"bvh", report.bvh},
-      {"bvh_splits", report.bvh_splits},
+      {"bvh_build", report.bvh_build},
       {"memory", memory_json(report)},
       {"samples", report.stats.samples},
       {"rays", {{"camera", rays.camera}, {"light", rays.light}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},

@@ -133,7 +133,7 @@ std::string to_table(const RenderReport& report) {
     fmt::format_to(out, "loading: reading {}, textures {}, compiling {}, BVH {}{}\n",
                    format_duration(l.reading_seconds), format_duration(l.texture_seconds),
                    format_duration(l.compile_seconds), format_duration(l.accel_seconds),
-                   report.bvh_splits.empty() ? "" : " (" + report.bvh_splits + ")");
+                   report.bvh_build.empty() ? "" : " (" + report.bvh_build + ")");
   text += photons_table(report);
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
     fmt::format_to(out, "guide: {} samples in {} passes in {}, {} cells trained with {} directions in {}\n",

@@ -52,7 +52,7 @@ bool take_kept(const AccelInput& input, bool fast_serves, KeptGeometry& kept, Sc
     if (!updatable || !kept.is_updatable) return false;
     std::copy(tables.vertices.begin(), tables.vertices.end(), kept.tables.vertices.begin());
     kept.accel->update(*changed);
-  } else if (!kept.serves(input.splits)) {
+  } else if (!kept.serves(input.builds)) {
     return false;
   }
   // Embree refers to the kept tables. Shapes may have other materials and lights, and vertices other tangents.
@@ -88,19 +88,22 @@ void build_accel(const CompiledGeometry& geometry, const CompileOptions& options
                    static_cast<std::uint32_t>(tables.instances.size()),
                    scene.motion.view()};
   const bool is_auto = options.bvh == BvhChoice::kAuto;
-  SplitChoice choice = choose_splits(input, is_auto ? options.expected_rays : kInfinity);
-  input.splits = std::move(choice.splits);
-  scene.info.bvh_splits = choice.result;
+  BuildChoice choice = choose_builds(input, is_auto ? options.expected_rays : kInfinity);
+  input.builds = std::move(choice.builds);
+  scene.info.bvh_splits = choice.splits;
   KeptGeometry* const kept = options.kept;
   const bool expects_changes = kept != nullptr && kept->expects_changes;
   if (kept != nullptr && kept->vertex_counts.size() == geometry.vertex_counts.size() &&
       take_kept(input, fast_serves, *kept, scene, input.updatable)) {
     scene.info.bvh = kept->layout;
-    if (kept->has_splits()) scene.info.bvh_splits = BvhSplits::kBuilt;
+    if (kept->has(BvhBuild::kSpatial)) scene.info.bvh_splits = BvhSplits::kBuilt;
+    scene.info.bvh_along_curve = kept->has(BvhBuild::kMorton);
     return;
   }
   if (kept != nullptr) *kept = {};  // free its memory before building
   scene.accel = std::make_unique<Accel>(input);
+  scene.info.bvh_along_curve =
+      !input.updatable && std::ranges::find(input.builds, BvhBuild::kMorton) != input.builds.end();
   if (kept == nullptr) return;
   kept->expects_changes = expects_changes;
   kept->is_updatable = input.updatable;
@@ -109,7 +112,7 @@ void build_accel(const CompiledGeometry& geometry, const CompileOptions& options
   kept->ungrouped_shapes = geometry.ungrouped_shapes;
   kept->watertight = options.watertight;
   kept->layout = layout;
-  kept->splits = std::move(input.splits);
+  kept->builds = std::move(input.builds);
 }
 
 }  // namespace sheaf

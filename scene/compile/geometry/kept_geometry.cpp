@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 
 namespace sheaf {
 
@@ -23,13 +24,14 @@ bool same_geometry(const ShapeRow& a, const ShapeRow& b) {
 
 }  // namespace
 
-bool KeptGeometry::has_splits() const { return std::find(splits.begin(), splits.end(), true) != splits.end(); }
+bool KeptGeometry::has(BvhBuild build) const {
+  return !is_updatable && std::ranges::find(builds, build) != builds.end();
+}
 
-bool KeptGeometry::serves(const std::vector<bool>& needed) const {
-  if (is_updatable || splits == needed) return true;
-  for (std::size_t i = 0; i < needed.size(); ++i)
-    if (needed[i] && !splits[i]) return false;
-  return expects_changes;
+bool KeptGeometry::serves(const std::vector<BvhBuild>& needed) const {
+  if (is_updatable || builds == needed) return true;
+  return expects_changes &&
+         std::equal(builds.begin(), builds.end(), needed.begin(), needed.end(), std::greater_equal<>());
 }
 
 std::optional<std::vector<std::uint32_t>> KeptGeometry::changed_meshes(const GeometryTables& other,

@@ -18,18 +18,19 @@ struct KeptGeometry {
   std::uint32_t ungrouped_shapes = 0;
   bool watertight = false;
   BvhLayout layout = BvhLayout::kFast;
-  std::vector<bool> splits;      ///< AccelInput::splits
+  std::vector<BvhBuild> builds;  ///< AccelInput::builds
   std::unique_ptr<Accel> accel;  ///< null: no geometry is kept
-  /// Whether changed vertices are expected: the first change builds a structure that later ones update. Structures with
-  /// spatial splits also serve scenes that need none. Both may resolve equal distances differently.
+  /// Whether changed vertices are expected: the first change builds a structure that later ones update. Structures of
+  /// faster rays also serve scenes that don't need them. Both may resolve equal distances differently.
   bool expects_changes = false;
   bool is_updatable = false;  ///< AccelInput::updatable
 
-  /// Whether the kept structure can serve a scene that needs these splits.
-  bool serves(const std::vector<bool>& needed) const;
-  bool has_splits() const;
+  /// Whether the kept structure can serve a scene that needs these builds.
+  bool serves(const std::vector<BvhBuild>& needed) const;
+  /// Whether a structure was built by this method.
+  bool has(BvhBuild build) const;
   /// Compares the kept acceleration structure with one for `input` and the tables `other`. Returns the meshes whose
-  /// vertices differ; an empty list means that both structures are equal to the bit, except for layout and splits.
+  /// vertices differ; an empty list means that both structures are equal to the bit, except for layout and builds.
   /// Returns std::nullopt if anything else differs.
   std::optional<std::vector<std::uint32_t>> changed_meshes(const GeometryTables& other, const AccelInput& input) const;
 };

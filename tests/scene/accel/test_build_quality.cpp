@@ -79,6 +79,9 @@ TEST_CASE("box waste: a fine mesh is not worth spatial splits but long needles a
 
 namespace {
 
+using Builds = std::vector<BvhBuild>;
+using enum BvhBuild;
+
 /// Needles through a cube as the shapes outside of groups, and as two groups with instances.
 struct Structures {
   static constexpr std::uint32_t kTriangles = 30'000;  // of each structure
@@ -107,33 +110,42 @@ struct Structures {
     in.instance_count = first_copies + second_copies;
   }
   /// The result for this number of rays per triangle of one structure.
-  SplitChoice choose(double rays) const { return choose_splits(in, rays * kTriangles); }
+  BuildChoice choose(double rays) const { return choose_builds(in, rays * kTriangles); }
 };
 
 }  // namespace
 
 TEST_CASE("splits: built by structures whose rays repay them") {
-  using Splits = std::vector<bool>;
   const Structures scene(9, 1);
   for (const double many : {double(kInfinity), 3.0 * 30}) {
-    CHECK(scene.choose(many).splits == Splits{true, true, true});
-    CHECK(scene.choose(many).result == BvhSplits::kBuilt);
+    CHECK(scene.choose(many).builds == Builds{kSpatial, kSpatial, kSpatial});
+    CHECK(scene.choose(many).splits == BvhSplits::kBuilt);
   }
-  CHECK(scene.choose(0).splits == Splits{false, false, false});
   // An object with more instances meets more rays
-  CHECK(scene.choose(35).splits == Splits{true, true, false});
-  CHECK(scene.choose(31).splits == Splits{true, false, false});
-  CHECK(scene.choose(29).splits == Splits{false, false, false});
-  CHECK(scene.choose(35).result == BvhSplits::kLeftOut);
+  CHECK(scene.choose(35).builds == Builds{kSpatial, kSpatial, kSurface});
+  CHECK(scene.choose(31).builds == Builds{kSpatial, kSurface, kSurface});
+  CHECK(scene.choose(29).builds == Builds{kSurface, kSurface, kSurface});
+  CHECK(scene.choose(35).splits == BvhSplits::kLeftOut);
+}
+
+TEST_CASE("builds: structures that meet very few rays are built along a Morton curve, and small ones never") {
+  Structures scene(9, 1);
+  CHECK(scene.choose(0).builds == Builds{kMorton, kMorton, kMorton});
+  CHECK(scene.choose(0).splits == BvhSplits::kLeftOut);
+  CHECK(scene.choose(2.1).builds == Builds{kSurface, kMorton, kMorton});
+  CHECK(scene.choose(2.3).builds == Builds{kSurface, kSurface, kMorton});
+  CHECK(scene.choose(21).builds == Builds{kSurface, kSurface, kSurface});
+  scene.shapes[1].triangle_count = 9999;
+  CHECK(scene.choose(0).builds == Builds{kMorton, kSurface, kMorton});
 }
 
 TEST_CASE("splits: built by small scenes for any number of rays, and not by meshes without waste") {
   Structures scene(1, 1);
   for (ShapeRow& shape : scene.shapes) shape.triangle_count = 3000;
-  CHECK(scene.choose(0).splits == std::vector<bool>{true, true, true});
+  CHECK(scene.choose(0).builds == Builds{kSpatial, kSpatial, kSpatial});
   for (ShapeRow& shape : scene.shapes) shape.triangle_count = 3;
-  CHECK(scene.choose(1e9).splits == std::vector<bool>{false, false, false});
-  CHECK(scene.choose(1e9).result == BvhSplits::kNotNeeded);
+  CHECK(scene.choose(1e9).builds == Builds{kSurface, kSurface, kSurface});
+  CHECK(scene.choose(1e9).splits == BvhSplits::kNotNeeded);
 }
 
 }  // namespace sheaf::test_build_quality

@@ -132,7 +132,7 @@ TEST_CASE("bvh: kept geometry is not reused with another layout") {
   CHECK(scene->info().accel_bytes == bytes);
 }
 
-TEST_CASE("bvh: few rays leave out spatial splits unless a layout is chosen, and hit the same triangles") {
+TEST_CASE("bvh: few rays lead to faster builds unless a layout is chosen, and hit the same triangles") {
   const Description d = triangles();
   CompileOptions options;
   const auto compile_for = [&](double rays, BvhChoice bvh) {
@@ -140,8 +140,13 @@ TEST_CASE("bvh: few rays leave out spatial splits unless a layout is chosen, and
     options.bvh = bvh;
     return compile_scene(d, options);
   };
-  constexpr double kFew = 100'000;  // more than triangles
-  const auto split = compile_for(kInfinity, BvhChoice::kAuto), unsplit = compile_for(kFew, BvhChoice::kAuto);
+  constexpr double kFew = 100'000, kVeryFew = 40'000;  // 5 and 2 for each triangle of a structure
+  const auto split = compile_for(kInfinity, BvhChoice::kAuto), unsplit = compile_for(kFew, BvhChoice::kAuto),
+             curve = compile_for(kVeryFew, BvhChoice::kAuto);
+  CHECK_FALSE(split->info().bvh_along_curve);
+  CHECK_FALSE(unsplit->info().bvh_along_curve);
+  CHECK(curve->info().bvh_along_curve);
+  CHECK_FALSE(compile_for(0, BvhChoice::kFast)->info().bvh_along_curve);
   CHECK(split->info().bvh_splits == BvhSplits::kBuilt);
   CHECK(unsplit->info().bvh_splits == BvhSplits::kLeftOut);
   CHECK(unsplit->info().bvh == BvhLayout::kFast);
@@ -154,29 +159,32 @@ TEST_CASE("bvh: few rays leave out spatial splits unless a layout is chosen, and
   for (int i = 0; i < 20000; ++i) {
     const Vec3f origin{normal(random), normal(random), normal(random)};
     const Vec3f direction = normalize_any(Vec3f{normal(random), normal(random), normal(random)});
-    const auto a = trace_ray(split->view(), origin, direction), b = trace_ray(unsplit->view(), origin, direction);
-    different += a.has_value() == b.has_value() && (!a || (a->t == b->t && a->primitive == b->primitive)) ? 0 : 1;
+    const auto a = trace_ray(split->view(), origin, direction);
+    for (const Scene* other : {unsplit.get(), curve.get()}) {
+      const auto b = trace_ray(other->view(), origin, direction);
+      different += a.has_value() == b.has_value() && (!a || (a->t == b->t && a->primitive == b->primitive)) ? 0 : 1;
+    }
   }
   CHECK(different == 0);
 }
 
 TEST_CASE("bvh: only sessions take a kept structure with spatial splits for few rays, and none lacks needed ones") {
-  constexpr double kFew = 100'000;  // more than triangles
+  constexpr double kFew = 100'000;  // 5 for each triangle of a structure
   const Description d = triangles();
   for (const bool is_session : {false, true}) {
     CAPTURE(is_session);
     KeptGeometry kept;
     kept.expects_changes = is_session;
-    const Accel* last = nullptr;
+    const VertexRow* last = nullptr;  // rows of a new structure, which are made before the kept ones are freed
     const auto reuses = [&](double rays) {
       CompileOptions options;
       options.expected_rays = rays;
       options.kept = &kept;
       auto scene = compile_scene(d, options);
-      const bool same = scene->view().accel == last;
+      const bool same = scene->view().geometry.vertices == last;
       const bool has_splits = scene->info().bvh_splits == BvhSplits::kBuilt;
-      CHECK(has_splits == (rays > kFew || (same && is_session && kept.has_splits())));
-      last = scene->view().accel;
+      CHECK(has_splits == (rays > kFew || (same && is_session && kept.has(BvhBuild::kSpatial))));
+      last = scene->view().geometry.vertices;
       keep_geometry(std::move(scene), kept);
       return same;
     };
@@ -186,6 +194,24 @@ TEST_CASE("bvh: only sessions take a kept structure with spatial splits for few 
     CHECK(reuses(kInfinity));
     CHECK(reuses(kFew) == is_session);
     CHECK(reuses(kInfinity) == is_session);
+  }
+}
+
+TEST_CASE("bvh: kept structures serve scenes that need the same builds, and in sessions slower rays") {
+  using enum BvhBuild;
+  for (const bool is_session : {false, true}) {
+    CAPTURE(is_session);
+    KeptGeometry kept;
+    kept.expects_changes = is_session;
+    kept.builds = {kSurface, kMorton};
+    CHECK(kept.serves({kSurface, kMorton}));
+    CHECK(kept.serves({kMorton, kMorton}) == is_session);
+    CHECK_FALSE(kept.serves({kSurface, kSurface}));
+    CHECK_FALSE(kept.serves({kSpatial, kMorton}));
+    CHECK(kept.has(kMorton));
+    kept.is_updatable = true;
+    CHECK(kept.serves({kSpatial, kSurface}));
+    CHECK_FALSE(kept.has(kMorton));
   }
 }
 
