@@ -327,6 +327,31 @@ SHEAF_INLINE WideUint gather_bytes(const std::uint8_t* base, WideUint index) {
 }
 SHEAF_INLINE std::uint32_t gather_bytes(const std::uint8_t* base, std::uint32_t index) { return base[index]; }
 
+/// Per lane: the word at byte `offset`, of any alignment.
+SHEAF_INLINE WideUint gather_unaligned(const std::uint8_t* base, WideUint offset) {
+#if defined(__AVX2__)
+  // Gathers take signed offsets
+  constexpr std::uint32_t kHalf = 1u << 31;
+  const std::uint8_t* const middle = base + kHalf;
+  const WideUint from_middle = offset ^ WideUint(kHalf);
+#endif
+#if defined(__AVX512F__)
+  return UintBatch(_mm512_i32gather_epi32(from_middle.v, middle, 1));
+#elif defined(__AVX2__)
+  return UintBatch(_mm256_i32gather_epi32(reinterpret_cast<const int*>(middle), from_middle.v, 1));
+#else
+  alignas(kSimdAlignment) std::uint32_t lanes[kWidth];
+  store(lanes, offset);
+  for (std::uint32_t& lane : lanes) std::memcpy(&lane, base + lane, sizeof(lane));
+  return UintBatch::load_aligned(lanes);
+#endif
+}
+SHEAF_INLINE std::uint32_t gather_unaligned(const std::uint8_t* base, std::uint32_t offset) {
+  std::uint32_t word;
+  std::memcpy(&word, base + offset, sizeof(word));
+  return word;
+}
+
 /// 0, 1, ..., kWidth - 1.
 SHEAF_INLINE WideUint lane_index() {
   alignas(kSimdAlignment) std::uint32_t i[kWidth];

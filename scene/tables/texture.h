@@ -30,23 +30,30 @@ enum TextureNeeds : std::uint8_t {
   kTextureNeedsPoint = 2,  ///< the position in world space
 };
 
-/// Storage of a texel: one value, or four of which the fourth is 0. Bytes represent [0, 1] (kSrgbByte: sRGB-encoded,
-/// decoded before interpolation); halves (IEEE 754 binary16) and floats are linear.
-enum class TexelFormat : std::uint8_t { kByte1, kByte4, kSrgbByte1, kSrgbByte4, kHalf1, kHalf4, kFloat1, kFloat4 };
+/// Storage of a texel: one value, three bytes, or four halves or floats of which the fourth is 0. Bytes represent [0,
+/// 1] (kSrgbByte: sRGB-encoded, decoded before interpolation); halves (IEEE 754 binary16) and floats are linear.
+enum class TexelFormat : std::uint8_t { kByte1, kByte3, kSrgbByte1, kSrgbByte3, kHalf1, kHalf4, kFloat1, kFloat4 };
 
-constexpr bool holds_bytes(TexelFormat format) { return format <= TexelFormat::kSrgbByte4; }
+constexpr bool holds_bytes(TexelFormat format) { return format <= TexelFormat::kSrgbByte3; }
 constexpr bool holds_halves(TexelFormat format) {
   return format == TexelFormat::kHalf1 || format == TexelFormat::kHalf4;
 }
 /// Number of channels used: 1 or 3.
 constexpr int texel_channels(TexelFormat format) { return static_cast<int>(format) % 2 == 0 ? 1 : 3; }
 
-/// One cache line of texels: a tile of 8x8 (single bytes), 8x4 (single halves), 4x4 (four bytes or one float), 4x2
-/// (four halves) or 2x2 (four floats), row by row. Tiles are stored row by row from the image's lower left corner. The
-/// last tiles of rows and columns are padded.
-struct alignas(64) TexelTile {
+/// One cache line of texels. Images are divided into tiles of 8x8 (single bytes), 8x4 (single halves), 4x4 (three bytes
+/// or one float), 4x2 (four halves) or 2x2 texels (four floats), row by row. Tiles are stored without gaps, row by row
+/// from the image's lower left corner. The last tiles of rows and columns are padded. A tile takes one line, but those
+/// of three bytes take three quarters of a line.
+struct alignas(64) TexelLine {
   std::uint8_t bytes[64];
 };
+
+/// Bytes of a texel.
+constexpr std::size_t bytes_per_texel(TexelFormat format) {
+  const std::size_t value_bytes = holds_bytes(format) ? 1 : holds_halves(format) ? 2 : 4;
+  return value_bytes * (texel_channels(format) == 1 ? 1 : holds_bytes(format) ? 3 : 4);
+}
 
 /// The size of tiles in texels: 2^x wide and 2^y high.
 struct TileShift {
@@ -60,13 +67,22 @@ constexpr TileShift tile_shift(TexelFormat format) {
   const int texels = 6 - value_bits - (texel_channels(format) == 1 ? 0 : 2);
   return {(texels + 1) / 2, texels / 2};
 }
+/// Bytes of a tile.
+constexpr std::size_t bytes_per_tile(TexelFormat format) {
+  return bytes_per_texel(format) << tile_shift(format).texels();
+}
+/// Lines of this many tiles, and one of padding.
+constexpr std::size_t padded_lines(TexelFormat format, std::size_t tiles) {
+  return (tiles * bytes_per_tile(format) + sizeof(TexelLine) - 1) / sizeof(TexelLine) + 1;
+}
 
-/// Maximum number of texels of an image, including padding, so that 32-bit indices of words address them.
+/// Maximum number of texels of an image, including padding, so that 32-bit indices of words, or of the bytes of texels
+/// of three bytes, address them.
 inline constexpr std::size_t kMaxTexels = std::size_t{1} << 30;
 
 /// A mip level of an image: the image at 1 / 2^level of its size, rounded down. Four words, loaded together.
 template <class L> struct MipLevelRecord {
-  typename L::Uint first_tile{};  ///< into TexelImage::mip_tiles
+  typename L::Uint first_tile{};  ///< counted from TexelImage::mip_tiles
   typename L::Uint tiles_per_row{};
   typename L::Uint width{}, height{};  ///< texels, without padding
   static constexpr auto fields(auto& s) { return std::tie(s.first_tile, s.tiles_per_row, s.width, s.height); }
@@ -142,9 +158,9 @@ static_assert(sizeof(TextureBinding) == 16);
 
 /// The texels of an image and of its mip levels.
 struct TexelImage {
-  const TexelTile* tiles = nullptr;      ///< followed by one tile of padding
+  const TexelLine* tiles = nullptr;      ///< followed by one line of padding
   const MipLevel* mip_levels = nullptr;  ///< levels 1, 2 and so on; null: the image has none
-  const TexelTile* mip_tiles = nullptr;  ///< followed by one tile of padding
+  const TexelLine* mip_tiles = nullptr;  ///< followed by one line of padding
 };
 
 struct TiledImage;

@@ -84,7 +84,7 @@ void BitmapDescription::make_row(TextureRowBuilder& row) const {
   const PlacedImage image = row.load_image(*this);
   TexelFormat format = image.format;
   if (format == TexelFormat::kByte1 && !is_linear()) format = TexelFormat::kSrgbByte1;
-  if (format == TexelFormat::kByte4 && !is_linear()) format = TexelFormat::kSrgbByte4;
+  if (format == TexelFormat::kByte3 && !is_linear()) format = TexelFormat::kSrgbByte3;
   row.set(BitmapRow{image.index, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
 }
 

@@ -58,7 +58,7 @@ struct PlacedImage {
   std::uint32_t index;  ///< into TextureView::images
   std::uint32_t tiles_per_row;
   std::uint32_t width, height;  ///< texels
-  TexelFormat format;           ///< bytes are kByte1 or kByte4, decoded or not
+  TexelFormat format;           ///< bytes are kByte1 or kByte3, decoded or not
 };
 
 /// Builds the row of one texture. The scene compiler derives from it, since rows refer to tables that it fills. All

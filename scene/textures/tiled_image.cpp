@@ -10,7 +10,7 @@ std::size_t TextureTables::texel_bytes() const {
     for (const auto& levels : {tiled_images[i]->mip_levels, tiled_images[i]->srgb_mip_levels})
       if (levels) tiles += levels->tiles.size();
   }
-  return tiles * sizeof(TexelTile);
+  return tiles * sizeof(TexelLine);
 }
 
 }  // namespace sheaf

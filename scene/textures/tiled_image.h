@@ -14,7 +14,7 @@ namespace sheaf {
 /// The mip levels of an image.
 struct MipLevels {
   std::vector<MipLevel> levels;              ///< levels 1, 2 and so on
-  UninitializedLargeTable<TexelTile> tiles;  ///< levels one after the other, and one tile of padding
+  UninitializedLargeTable<TexelLine> tiles;  ///< levels one after the other, and one line of padding
   std::once_flag is_filled;                  ///< set when the texels are computed
 };
 
@@ -22,8 +22,8 @@ struct MipLevels {
 struct TiledImage {
   std::uint32_t width = 0, height = 0;  ///< texels
   std::uint32_t tiles_per_row = 0;
-  TexelFormat format = TexelFormat::kByte1;    ///< bytes are kByte1 or kByte4, decoded or not
-  UninitializedLargeTable<TexelTile> tiles;    ///< followed by one tile of padding
+  TexelFormat format = TexelFormat::kByte1;    ///< bytes are kByte1 or kByte3, decoded or not
+  UninitializedLargeTable<TexelLine> tiles;    ///< followed by one line of padding
   std::shared_ptr<MipLevels> mip_levels;       ///< null until they are needed
   std::shared_ptr<MipLevels> srgb_mip_levels;  ///< of sRGB-encoded bytes
 };

@@ -33,12 +33,12 @@ float as_float(std::uint16_t half) { return half_to_float(half); }
 
 /// Examines tiles with texels of `kValues` numbers of a type. Padding and unused fourth values are zero and so in
 /// range.
-template <class Value, std::size_t kValues> OutOfRangeTexels out_of_range_texels(std::span<const TexelTile> tiles) {
+template <class Value, std::size_t kValues> OutOfRangeTexels out_of_range_texels(std::span<const TexelLine> tiles) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto add = [&](const Range& range, OutOfRangeTexels sum) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const auto* values = reinterpret_cast<const Value*>(tiles[i].bytes);
-      for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(Value); t += kValues) {
+      for (std::size_t t = 0; t < sizeof(TexelLine) / sizeof(Value); t += kValues) {
         float low = as_float(values[t]), high = low;
         for (std::size_t k = 1; k < kValues; ++k) {
           const float value = as_float(values[t + k]);
@@ -59,7 +59,7 @@ template <class Value, std::size_t kValues> OutOfRangeTexels out_of_range_texels
 }
 
 OutOfRangeTexels out_of_range_texels(const TiledImage& image) {
-  const std::span<const TexelTile> own(image.tiles.data(), image.tiles.size() - 1);  // without the padding tile
+  const std::span<const TexelLine> own(image.tiles.data(), image.tiles.size() - 1);  // without the padding tile
   switch (image.format) {
     case TexelFormat::kHalf1:
       return out_of_range_texels<std::uint16_t, 1>(own);

@@ -46,7 +46,7 @@ template <class L, TexelFormat kFormat> Uint<L> encode_byte(Float<L> value, Floa
   using U = Uint<L>;
   using bitmap_detail::decode_byte;
   F near = value * F(255.0f);
-  if constexpr (kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte4) {
+  if constexpr (kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte3) {
     // A polynomial of the square root with a maximum error of 0.2 fits the curve above its linear part
     const F root = sqrt(value);
     F curve(-78.939452f);
@@ -73,16 +73,17 @@ template <class L> Float<L> threshold_at(Uint<L> x, std::uint32_t y) {
 
 /// The texels of an image or level.
 template <TexelFormat kFormat> struct Texels {
-  static constexpr int kChannels = texel_channels(kFormat), kStored = kChannels == 1 ? 1 : 4;
+  static constexpr int kChannels = texel_channels(kFormat);
   using Value = std::conditional_t<holds_bytes(kFormat), std::uint8_t,
                                    std::conditional_t<holds_halves(kFormat), std::uint16_t, float>>;
+  static constexpr int kStored = static_cast<int>(bytes_per_texel(kFormat) / sizeof(Value));
 
-  TexelTile* tiles;
+  std::uint8_t* bytes;
   std::uint32_t width, height, tiles_per_row;
 
   /// The channels of a texel. `row`: row().
   Value* at(std::uint32_t row, std::uint32_t x) const {
-    return reinterpret_cast<Value*>(tiles) + std::size_t{row + bitmap_detail::column_index<kFormat>(x)} * kStored;
+    return reinterpret_cast<Value*>(bytes) + std::size_t{row + bitmap_detail::column_index<kFormat>(x)} * kStored;
   }
   /// The contribution of a row to the indices of its texels.
   std::uint32_t row(std::uint32_t y) const { return bitmap_detail::row_index<kFormat>(y, tiles_per_row); }
@@ -104,7 +105,7 @@ template <TexelFormat kFormat> struct LevelRow {
 /// Adds linear texels of the previous level, weighted, to `sum`.
 template <class L, TexelFormat kFormat>
 void add_texels(const Texels<kFormat>& from, Uint<L> index, Float<L> weight, Float<L>* sum) {
-  const auto texel = bitmap_detail::StoredTexel<L, kFormat>::load(from.tiles, index);
+  const auto texel = bitmap_detail::StoredTexel<L, kFormat>::load(from.bytes, index);
   bitmap_detail::for_each_channel<kFormat>([&]<int K>() { sum[K] = fma(weight, texel.template channel<K>(), sum[K]); });
 }
 
@@ -214,17 +215,19 @@ std::shared_ptr<MipLevels> place_levels(const TiledImage& image) {
     out->levels.push_back({static_cast<std::uint32_t>(tile), shift.columns(width), width, height});
     tile += std::size_t{shift.columns(width)} * shift.rows(height);
   }
-  out->tiles.resize(tile + 1);
-  out->tiles[tile] = {};
+  const std::size_t lines = padded_lines(image.format, tile);
+  out->tiles.resize(lines);
+  out->tiles[lines - 2] = out->tiles[lines - 1] = {};  // tiles may end within a line
   return out;
 }
 
 /// Computes the texels of all levels, read in the given format.
 void fill_levels(TiledImage& image, TexelFormat format, MipLevels& out) {
   bitmap_detail::with_format(format, [&]<TexelFormat kFormat>() {
-    Texels<kFormat> from{image.tiles.data(), image.width, image.height, image.tiles_per_row};
+    Texels<kFormat> from{image.tiles[0].bytes, image.width, image.height, image.tiles_per_row};
     for (const MipLevel& level : out.levels) {
-      const Texels<kFormat> to{&out.tiles[level.first_tile], level.width, level.height, level.tiles_per_row};
+      std::uint8_t* const bytes = out.tiles[0].bytes + level.first_tile * bytes_per_tile(kFormat);
+      const Texels<kFormat> to{bytes, level.width, level.height, level.tiles_per_row};
       fill_level(from, to);
       from = to;
     }

@@ -33,16 +33,16 @@ template <class T> struct PixelValues {
   const std::vector<std::size_t>& channels;
 };
 
-/// Stores a row of texels of one or four values, converted by `convert`. `channel_at(k)`: the k-th selected channel; a
-/// function, because constants make the loop fast.
+/// Stores a row of texels, converted by `convert`, in a row of tiles that begins at `tiles`. `channel_at(k)`: the k-th
+/// selected channel; a function, because constants make the loop fast.
 template <int kChannels, class T, class Channel, class Convert>
-void store_pixels(T* pixels, std::size_t stride, std::size_t width, TileShift shift, TexelTile* tiles,
+void store_pixels(T* pixels, std::size_t stride, std::size_t width, TileShift shift, std::uint8_t* tiles,
                   std::size_t row_of_tile, Channel&& channel_at, Convert&& convert) {
   using Texel = std::decay_t<decltype(convert(*pixels))>;
-  constexpr std::size_t kValues = kChannels == 1 ? 1 : 4, kBytes = kValues * sizeof(Texel);
-  const std::size_t columns = std::size_t{1} << shift.x, row_bytes = columns * kBytes;
+  constexpr std::size_t kValues = kChannels == 1 ? 1 : sizeof(Texel) == 1 ? 3 : 4, kBytes = kValues * sizeof(Texel);
+  const std::size_t columns = std::size_t{1} << shift.x, row_bytes = columns * kBytes, tile = row_bytes << shift.y;
   for (std::size_t x = 0; x < width; x += columns) {
-    std::uint8_t* out = tiles[x >> shift.x].bytes + row_of_tile * row_bytes;
+    std::uint8_t* out = tiles + (x >> shift.x) * tile + row_of_tile * row_bytes;
     const std::size_t end = std::min(x + columns, width);
     for (std::size_t at = x; at < end; ++at, out += kBytes) {
       Texel texel[kValues] = {};
@@ -54,7 +54,7 @@ void store_pixels(T* pixels, std::size_t stride, std::size_t width, TileShift sh
 
 /// Stores a row of texels.
 template <class T, class Convert>
-void store_row(const PixelValues<T>& from, T* pixels, std::size_t width, TileShift shift, TexelTile* tiles,
+void store_row(const PixelValues<T>& from, T* pixels, std::size_t width, TileShift shift, std::uint8_t* tiles,
                std::size_t row_of_tile, Convert&& convert) {
   const auto& channels = from.channels;
   const auto in_order = [](int k) { return static_cast<std::size_t>(k); };
@@ -75,7 +75,7 @@ void store_row(const PixelValues<T>& from, T* pixels, std::size_t width, TileShi
 
 /// The number of rows of tiles that take about `bytes`, at least one.
 std::size_t tile_rows_of(const TiledImage& image, std::size_t bytes) {
-  return std::max<std::size_t>(bytes / (image.tiles_per_row * sizeof(TexelTile)), 1);
+  return std::max<std::size_t>(bytes / (image.tiles_per_row * bytes_per_tile(image.format)), 1);
 }
 constexpr std::size_t kRangeBytes = std::size_t{1} << 20;  // of one thread
 
@@ -94,12 +94,14 @@ struct Band {
 template <class T, class Convert>
 void fill_band(TiledImage& image, const Band& band, const PixelValues<T>& from, Convert&& convert) {
   const TileShift shift = tile_shift(image.format);
+  const std::size_t row_bytes = image.tiles_per_row * bytes_per_tile(image.format);
+  std::uint8_t* const bytes = image.tiles[0].bytes;
   const auto fill = [&](std::size_t first, std::size_t last) {
     const Band part(image, band.begin + first, band.begin + last);
-    std::fill_n(&image.tiles[part.begin * image.tiles_per_row], (last - first) * image.tiles_per_row, TexelTile{});
+    std::memset(bytes + part.begin * row_bytes, 0, (part.end - part.begin) * row_bytes);
     for (std::size_t y = part.bottom; y < part.top; ++y)
       store_row(from, &from.values[(band.top - 1 - y) * image.width * from.stride], image.width, shift,
-                &image.tiles[(y >> shift.y) * image.tiles_per_row], y & ((std::size_t{1} << shift.y) - 1), convert);
+                bytes + (y >> shift.y) * row_bytes, y & ((std::size_t{1} << shift.y) - 1), convert);
   };
   parallel_ranges(band.end - band.begin, fill, tile_rows_of(image, kRangeBytes));
 }
@@ -152,7 +154,7 @@ void decode_floats(StoredImage& stored, const std::vector<std::size_t>& channels
 
 /// The format of texels with one channel if `gray`.
 TexelFormat format_of(bool bytes, bool halves, bool gray) {
-  if (bytes) return gray ? TexelFormat::kByte1 : TexelFormat::kByte4;
+  if (bytes) return gray ? TexelFormat::kByte1 : TexelFormat::kByte3;
   if (halves) return gray ? TexelFormat::kHalf1 : TexelFormat::kHalf4;
   return gray ? TexelFormat::kFloat1 : TexelFormat::kFloat4;
 }
@@ -217,13 +219,14 @@ TiledImage prepare_tiles(int width, int height, TexelFormat format, const Source
         where, fmt::format("an image of {} x {} pixels is too large for a texture (expected at most {} texels)", width,
                            height, kMaxTexels));
   }
-  const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "use a smaller image"};
+  const std::size_t lines = padded_lines(format, tiles);
+  const MemoryUse texels{"its texels", static_cast<double>(lines) * sizeof(TexelLine), "use a smaller image"};
   check_memory(fmt::format("{} of {} x {} pixels",
                            where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file.string()),
                            width, height),
                {&texels, 1});
-  image.tiles.resize(tiles + 1);
-  image.tiles[tiles] = {};
+  image.tiles.resize(lines);
+  image.tiles[lines - 2] = image.tiles[lines - 1] = {};  // tiles may end within a line
   return image;
 }
 

@@ -85,7 +85,7 @@ template <TexelFormat kFormat, class U> SHEAF_INLINE U row_index(U y, U tiles_pe
 
 /// The tiles of an image, or of a mip level of it in each lane.
 template <class L> struct TexelGrid {
-  const TexelTile* tiles;
+  const TexelLine* tiles;
   MipLevelRecord<L> extent;  ///< first_tile counts from `tiles`
 };
 
@@ -150,7 +150,7 @@ SHEAF_INLINE FootprintPoints<L> footprint_points(const TextureRow& row, const Bi
 /// Converts a byte to its linear value.
 template <TexelFormat kFormat, class U> SHEAF_INLINE auto decode_byte(U byte) {
   const auto value = to_float(byte);
-  if constexpr (kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte4)
+  if constexpr (kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte3)
     return decode_srgb_byte(value);
   else
     return value * decltype(value)(1.0f / 255.0f);
@@ -170,12 +170,11 @@ template <class L> SHEAF_INLINE typename L::Float decode_half(typename L::Uint h
 /// A texel in its storage format.
 template <class L, TexelFormat kFormat> struct StoredTexel {
   static constexpr bool kBytes = holds_bytes(kFormat), kHalves = holds_halves(kFormat);
-  /// One word of up to four bytes, words of up to two halves, or floats.
+  /// One word of up to three bytes, words of up to two halves, or floats.
   static constexpr int kWords = kBytes ? 1 : kHalves ? (texel_channels(kFormat) + 1) / 2 : texel_channels(kFormat);
   std::conditional_t<kBytes || kHalves, typename L::Uint, typename L::Float> value[kWords];
 
-  static SHEAF_INLINE StoredTexel load(const TexelTile* tiles, typename L::Uint index) {
-    const std::uint8_t* bytes = tiles->bytes;
+  static SHEAF_INLINE StoredTexel load(const std::uint8_t* bytes, typename L::Uint index) {
     StoredTexel out;
     if constexpr (kFormat == TexelFormat::kFloat1) {
       out.value[0] = gather(reinterpret_cast<const float*>(bytes), index);
@@ -197,7 +196,7 @@ template <class L, TexelFormat kFormat> struct StoredTexel {
     } else if constexpr (texel_channels(kFormat) == 1) {
       out.value[0] = gather_bytes(bytes, index);
     } else {
-      out.value[0] = gather(reinterpret_cast<const std::uint32_t*>(bytes), index);
+      out.value[0] = gather_unaligned(bytes, (index << 1) + index);  // the fourth byte belongs to the next texel
     }
     return out;
   }
@@ -211,8 +210,6 @@ template <class L, TexelFormat kFormat> struct StoredTexel {
       return value[kChannel];
     else if constexpr (texel_channels(kFormat) == 1)
       return decode_byte<kFormat>(value[0]);
-    else if constexpr (kChannel == 2)
-      return decode_byte<kFormat>(value[0] >> 16);
     else
       return decode_byte<kFormat>((value[0] >> (8 * kChannel)) & typename L::Uint(0xffu));
   }
@@ -242,8 +239,9 @@ SHEAF_INLINE Patch<L, kFormat> load_patch(const TexelGrid<L>& grid, const Bitmap
   const auto y0 = first + row_index<kFormat>(y.first, grid.extent.tiles_per_row),
              y1 = first + row_index<kFormat>(y.second, grid.extent.tiles_per_row);
   using Texel = StoredTexel<L, kFormat>;
-  return {{Texel::load(grid.tiles, y0 + x0), Texel::load(grid.tiles, y0 + x1), Texel::load(grid.tiles, y1 + x0),
-           Texel::load(grid.tiles, y1 + x1)},
+  const std::uint8_t* const bytes = grid.tiles->bytes;
+  return {{Texel::load(bytes, y0 + x0), Texel::load(bytes, y0 + x1), Texel::load(bytes, y1 + x0),
+           Texel::load(bytes, y1 + x1)},
           x.t,
           y.t};
 }
@@ -266,7 +264,7 @@ SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap
     const auto x = nearest_texel<L>(bitmap.wrap_u, uv.x, bitmap.width);
     const auto y = nearest_texel<L>(bitmap.wrap_v, uv.y, bitmap.height);
     const auto index = row_index<kFormat>(y, typename L::Uint(bitmap.tiles_per_row)) + column_index<kFormat>(x);
-    const auto texel = StoredTexel<L, kFormat>::load(view.images[bitmap.image].tiles, index);
+    const auto texel = StoredTexel<L, kFormat>::load(view.images[bitmap.image].tiles->bytes, index);
     for_each_channel<kFormat>([&]<int K>() SHEAF_LAMBDA_INLINE { out[K] = texel.template channel<K>(); });
     return;
   }
@@ -337,9 +335,15 @@ SHEAF_INLINE void prefetch_patch(const TexelGrid<L>& grid, const BitmapRow& bitm
     return grid.extent.first_tile + (row >> kShift.y) * grid.extent.tiles_per_row + (column >> kShift.x);
   };
   const LaneArray<typename L::Uint> near(tile(x.first, y.first)), far(tile(x.second, y.second));
+  constexpr std::size_t kBytes = bytes_per_tile(kFormat);
+  const auto prefetch_tile = [&](std::uint32_t index) SHEAF_LAMBDA_INLINE {
+    const std::uint8_t* const bytes = grid.tiles->bytes + index * kBytes;
+    prefetch(bytes);
+    if constexpr (sizeof(TexelLine) % kBytes != 0) prefetch(bytes + kBytes - 1);  // it may continue in the next line
+  };
   for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
-    prefetch(grid.tiles + near[lane]);
-    prefetch(grid.tiles + far[lane]);
+    prefetch_tile(near[lane]);
+    prefetch_tile(far[lane]);
   });
 }
 
@@ -348,12 +352,12 @@ template <class F> SHEAF_INLINE auto with_format(TexelFormat format, F&& f) {
   switch (format) {
     case TexelFormat::kByte1:
       return f.template operator()<TexelFormat::kByte1>();
-    case TexelFormat::kByte4:
-      return f.template operator()<TexelFormat::kByte4>();
+    case TexelFormat::kByte3:
+      return f.template operator()<TexelFormat::kByte3>();
     case TexelFormat::kSrgbByte1:
       return f.template operator()<TexelFormat::kSrgbByte1>();
-    case TexelFormat::kSrgbByte4:
-      return f.template operator()<TexelFormat::kSrgbByte4>();
+    case TexelFormat::kSrgbByte3:
+      return f.template operator()<TexelFormat::kSrgbByte3>();
     case TexelFormat::kHalf1:
       return f.template operator()<TexelFormat::kHalf1>();
     case TexelFormat::kHalf4:

@@ -43,7 +43,7 @@ TEST_CASE("texture rows: PNG and JPEG files") {
     REQUIRE(rows->tiles.size() == whole->tiles.size());
     CHECK(rows->width == whole->width);
     CHECK(rows->format == whole->format);
-    CHECK(std::memcmp(rows->tiles.data(), whole->tiles.data(), rows->tiles.size() * sizeof(TexelTile)) == 0);
+    CHECK(std::memcmp(rows->tiles.data(), whole->tiles.data(), rows->tiles.size() * sizeof(TexelLine)) == 0);
   }
   write_bytes(folder / "a.jpg", {jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() / 2)});
   std::string message;
