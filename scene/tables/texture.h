@@ -90,6 +90,9 @@ template <class L> struct MipLevelRecord {
 using MipLevel = MipLevelRecord<Scalar>;
 static_assert(sizeof(MipLevel) == 16);
 
+/// The first of the coarse mip levels, see MipLevels.
+inline constexpr std::uint32_t kFirstCoarseLevel = 3;
+
 /// Number of mip levels of an image besides the image itself. The last has one texel.
 constexpr std::uint32_t mip_level_count(std::uint32_t width, std::uint32_t height) {
   return static_cast<std::uint32_t>(std::bit_width(std::max(width, height))) - 1;
@@ -156,14 +159,16 @@ struct TextureBinding {
 };
 static_assert(sizeof(TextureBinding) == 16);
 
+struct TiledImage;
+struct MipLevels;
+
 /// The texels of an image and of its mip levels.
 struct TexelImage {
   const TexelLine* tiles = nullptr;      ///< followed by one line of padding
   const MipLevel* mip_levels = nullptr;  ///< levels 1, 2 and so on; null: the image has none
   const TexelLine* mip_tiles = nullptr;  ///< followed by one line of padding
+  MipLevels* levels = nullptr;           ///< owns them
 };
-
-struct TiledImage;
 
 /// Textures for kernels.
 struct TextureView {

@@ -7,6 +7,7 @@
 #include "core/soa/record_table.h"
 #include "scene/textures/bitmap.h"
 #include "scene/textures/lookups/lookup.h"
+#include "scene/textures/tiled_image.h"
 
 #include <iterator>
 #include <type_traits>
@@ -123,6 +124,12 @@ template <class L> SHEAF_INLINE typename L::Uint mip_level(const BitmapRow& bitm
   using U = typename L::Uint;
   // Half the binary exponent
   return min(((float_bits(squared_texels) >> 23) - U(127u)) >> 1, U(mip_level_count(bitmap.width, bitmap.height)));
+}
+
+/// Computes the fine levels if a lookup needs them first.
+template <class U> SHEAF_INLINE void ensure_levels(const TexelImage& image, U level) {
+  if (image.levels->has_fine.load(std::memory_order_acquire)) return;
+  if (any((level != U(0u)) & (level < U(kFirstCoarseLevel)))) fill_fine_levels(*image.levels);
 }
 
 /// Points along the axis of a footprint, in the texture's coordinates: `count` of them from `first` on, `step` apart.
@@ -293,6 +300,7 @@ SHEAF_INLINE void lookup_footprint(const TextureLookup<L>& at, const BitmapRow& 
     return lookup_bitmap<L, kFormat>(at.view, bitmap, at.uv(), out);
   const F texels = squared_texels<L>(at.row, bitmap, at.query.footprint);
   const auto level = mip_level<L>(bitmap, texels);
+  ensure_levels(at.view.images[bitmap.image], level);
   FootprintPoints<L> points = footprint_points<L>(at.row, bitmap, at.uv(), at.query.footprint_axis, texels);
   lookup_level<L, kFormat>(at.view, bitmap, level, points.first, out);
   if (!any(points.count > F(1.0f))) return;
