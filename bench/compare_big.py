@@ -3,14 +3,15 @@
 Python and a build.
 
   bench/compare_big.py [--sheaf OLD/sheaf NEW/sheaf] [--mitsuba-python ENVIRONMENT/bin/python] [--variant scalar_rgb]
-                       [--pbrt build/pbrt] [--side 300] [--instances 500] [--texture-side 512] [--runs 3]
-                       [--only NAME...]
+                       [--pbrt build/pbrt] [--side 300] [--meshes 1] [--instances 500] [--texture-side 512]
+                       [--runs 3] [--only NAME...]
 
-Writes scenes with one mesh of 2 x SIDE^2 triangles, as PLY and OBJ, of INSTANCES instances of the PLY mesh, and of four
-images of TEXTURE-SIDE^2 pixels as textures (PNG, 8 bits, stored). Every round renders each scene once with each program, at 1
+Writes scenes with one mesh of 2 x SIDE^2 triangles, as PLY and OBJ, of INSTANCES instances of MESHES such PLY
+files, and of four images of TEXTURE-SIDE^2 pixels as textures (PNG, 8 bits, stored). Every round renders each scene once with each program, at 1
 sample in an image of 8 x 8 pixels; pbrt reads no OBJ files. Prints medians: wall-clock and CPU seconds of the whole
 process, peak memory, and the same per triangle of the mesh, or per pixel of the images. Mitsuba's include Python's
-start. For 20 million triangles and 4 GB of texels: --side 3162 --texture-side 16384.
+start. For 20 million triangles and 4 GB of texels: --side 3162 --texture-side 16384; for 50 million triangles in 20,000
+instances: --only instances --side 707 --meshes 50 --instances 20000.
 """
 
 import argparse
@@ -85,7 +86,7 @@ def write_texture_scene(folder, side):
     (folder / "textures.pbrt").write_text(f"{PBRT_HEAD}{lines}\n")
 
 
-def write_scenes(folder, side, instances, texture_side):
+def write_scenes(folder, side, meshes, instances, texture_side):
     """Writes the scenes and returns their files with the number of triangles or pixels; those of pbrt have the same
     names."""
     write_ply(folder / "mesh.ply", side)
@@ -93,16 +94,25 @@ def write_scenes(folder, side, instances, texture_side):
     write_texture_scene(folder, texture_side)
     columns = math.isqrt(max(instances - 1, 0)) + 1
     places = [(i % columns, i // columns) for i in range(instances)]
-    placed = "\n".join(f'<shape type="instance"><ref id="group"/><transform name="to_world"><translate x="{x}" y="{y}"/>'
-                       f'</transform></shape>' for x, y in places)
+    names = ["mesh.ply"] + [f"mesh{i}.ply" for i in range(1, meshes)]
+    for name in names[1:]:
+        os.link(folder / "mesh.ply", folder / name)
+    groups = "".join(f'<shape type="shapegroup" id="group{i}">{MESH.replace("mesh.ply", name)}</shape>'
+                     for i, name in enumerate(names))
+    placed = "\n".join(f'<shape type="instance"><ref id="group{i % meshes}"/><transform name="to_world">'
+                       f'<translate x="{x}" y="{y}"/></transform></shape>' for i, (x, y) in enumerate(places))
     scenes = {"ply": MESH, "obj": MESH.replace("ply", "obj"),
-              "instances": f'<shape type="shapegroup" id="group">{MESH}</shape>{placed}'}
+              "instances": groups + placed}
     for name, shapes in scenes.items():
         (folder / f"{name}.xml").write_text(f"{HEAD}{shapes}</scene>\n")
-    placed = "\n".join(f'AttributeBegin Translate {x} {y} 0 ObjectInstance "group" AttributeEnd' for x, y in places)
+    groups = "".join(f'ObjectBegin "group{i}" {PBRT_MESH.replace("mesh.ply", name)} ObjectEnd\n'
+                     for i, name in enumerate(names))
+    placed = "\n".join(f'AttributeBegin Translate {x} {y} 0 ObjectInstance "group{i % meshes}" AttributeEnd'
+                       for i, (x, y) in enumerate(places))
     (folder / "ply.pbrt").write_text(f"{PBRT_HEAD}{PBRT_MESH}\n")
-    (folder / "instances.pbrt").write_text(f'{PBRT_HEAD}ObjectBegin "group" {PBRT_MESH} ObjectEnd\n{placed}\n')
-    counts = dict.fromkeys(scenes, 2 * side ** 2) | {"textures": IMAGES * texture_side ** 2}
+    (folder / "instances.pbrt").write_text(f"{PBRT_HEAD}{groups}{placed}\n")
+    counts = dict.fromkeys(scenes, 2 * side ** 2) | {"instances": 2 * side ** 2 * meshes,
+                                                     "textures": IMAGES * texture_side ** 2}
     return {folder / f"{name}.xml": count for name, count in counts.items()}
 
 
@@ -137,6 +147,7 @@ def main():
     parser.add_argument("--variant", default="scalar_rgb")
     parser.add_argument("--pbrt")
     parser.add_argument("--side", type=int, default=300)
+    parser.add_argument("--meshes", type=int, default=1)
     parser.add_argument("--instances", type=int, default=500)
     parser.add_argument("--texture-side", type=int, default=512)
     parser.add_argument("--runs", type=int, default=3)
@@ -146,7 +157,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         programs = commands(arguments, folder)
-        for scene, count in write_scenes(folder, arguments.side, arguments.instances, arguments.texture_side).items():
+        for scene, count in write_scenes(folder, arguments.side, arguments.meshes,
+                                         arguments.instances, arguments.texture_side).items():
             if arguments.only and scene.stem not in arguments.only:
                 continue
             rows = {program: [] for program in programs}

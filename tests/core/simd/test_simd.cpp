@@ -212,6 +212,24 @@ TEST_CASE("simd: loads and stores and gathers and lane masks agree with scalar c
   CHECK((x == floats[0] && n == uints[0]));
 }
 
+TEST_CASE("simd: gathers of words from any byte take offsets of all 32 bits") {
+  std::uint8_t bytes[3 * kWidth + 4];
+  for (std::size_t i = 0; i < sizeof(bytes); ++i) bytes[i] = static_cast<std::uint8_t>(7 * i + 3);
+  for (const std::uint32_t start : {0u, 0x7ffffff0u, 0x80000000u, 0xf0000000u}) {
+    CAPTURE(start);
+    const auto* const base =
+        reinterpret_cast<const std::uint8_t*>(reinterpret_cast<std::uintptr_t>(static_cast<const void*>(bytes)) - start);
+    const auto offset = [start](int lane) { return start + 3 * static_cast<std::uint32_t>(lane); };
+    const WideUint words = gather_unaligned(base, wide_uints(offset));
+    for (int lane = 0; lane < kWidth; ++lane) {
+      std::uint32_t expected = 0;
+      std::memcpy(&expected, bytes + 3 * lane, sizeof(expected));
+      CHECK(words[lane] == expected);
+      CHECK(gather_unaligned(base, offset(lane)) == expected);
+    }
+  }
+}
+
 TEST_CASE("simd: load_rows4 and store_rows4 are inverses and leave other rows alone") {
   constexpr int kRows = 3 * kWidth, kStride = 5;  // an odd stride, to exclude any alignment
   std::vector<float> rows(kRows * kStride);
