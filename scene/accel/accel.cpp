@@ -5,6 +5,8 @@
 #include "scene/tables/instance.h"
 #include "scene/tables/motion_sample.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <vector>
 
@@ -16,6 +18,7 @@ static_assert(offsetof(RTCRayHit16, hit.Ng_x) == offsetof(RayPacket, normal_x));
 static_assert(offsetof(RTCRayHit16, hit.geomID) == offsetof(RayPacket, shape));
 static_assert(offsetof(RTCRayHit16, hit.instID) == offsetof(RayPacket, instance));
 static_assert(sizeof(RTCRayHit16) <= sizeof(RayPacket));
+static_assert(sizeof(RTCRayHit8) * 2 == sizeof(RTCRayHit16));
 
 RayPacket::RayPacket() {
   std::memset(static_cast<void*>(this), 0, sizeof(*this));
@@ -26,6 +29,7 @@ RayPacket::RayPacket() {
 }
 
 struct Accel::Impl : EmbreeScene {
+  bool traces_sixteen = false;             ///< in one packet
   const InstanceRow* instances = nullptr;  ///< null: no instances
   std::uint32_t first_instance = 0;        ///< geometry id of the first instance
   MotionView motion;
@@ -91,10 +95,66 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
   for (RTCScene group : groups) rtcReleaseScene(group);  // the instances hold references
 }
 
-/// Makes the rays from `count` on empty. Embree without AVX-512 ignores the masks of packets of sixteen: it would trace
-/// the contents of unused lanes, which may not be finite, but it leaves out empty rays.
+/// Makes the rays from `count` on empty.
 void empty_unused(RayPacket& packet, int count) {
   for (int i = count; i < kPacketWidth; ++i) packet.t_far[i] = -kInfinity;
+}
+
+/// Eight rays of a packet, for processors without AVX-512: Embree would divide packets of sixteen in the same way, in
+/// more time. `Rays`: RTCRayHit8 or RTCRay8, whose rows are those of RayPacket.
+template <class Rays> struct HalfPacket {
+  static constexpr std::size_t kRow = 8 * sizeof(float), kRows = sizeof(Rays) / kRow;
+  static constexpr std::size_t kFirstResult = offsetof(RTCRay8, tfar) / kRow;
+  Rays rays;
+
+  HalfPacket(const RayPacket& packet, int first) {
+    for (std::size_t row = 0; row < kRows; ++row)
+      std::memcpy(at(row), reinterpret_cast<const std::byte*>(&packet) + offset(row, first), kRow);
+  }
+  /// Writes what Embree may have changed.
+  void write(RayPacket& packet, int first) {
+    for (std::size_t row = kFirstResult; row < kRows; ++row)
+      std::memcpy(reinterpret_cast<std::byte*>(&packet) + offset(row, first), at(row), kRow);
+  }
+
+ private:
+  std::byte* at(std::size_t row) { return reinterpret_cast<std::byte*>(&rays) + row * kRow; }
+  static std::size_t offset(std::size_t row, int first) {
+    return (row * kPacketWidth + static_cast<std::size_t>(first)) * sizeof(float);
+  }
+};
+
+#if SHEAF_EMBREE_MAJOR >= 4
+RTCIntersectArguments intersect_arguments() {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  return arguments;
+}
+RTCOccludedArguments occluded_arguments() {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  return arguments;
+}
+#else
+RTCIntersectContext intersect_arguments() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
+}
+RTCIntersectContext occluded_arguments() { return intersect_arguments(); }
+#endif
+
+/// Calls a function of Embree, whose versions differ in the order of the arguments.
+template <class F, class Rays, class Arguments>
+void call(F&& trace, RTCScene scene, const int* valid, Rays* rays, Arguments arguments) {
+#if SHEAF_EMBREE_MAJOR >= 4
+  trace(valid, scene, rays, &arguments);
+#else
+  trace(valid, scene, &arguments, rays);
+#endif
 }
 
 /// Converts group-relative shape ids to scene ids, and normals from the group's space to world space.
@@ -131,6 +191,7 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
   impl_->start({input.watertight, input.layout == BvhLayout::kCompact, input.updatable});
+  impl_->traces_sixteen = rtcGetDeviceProperty(impl_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
   attach_shapes(impl_->device, impl_->scene, input, 0, {0, input.shape_count}, impl_->sdf_grids);
   if (input.instance_count > 0) {
     impl_->instances = input.instances;
@@ -154,41 +215,32 @@ void Accel::update(const std::vector<std::uint32_t>& shapes) {
   impl_->check();
 }
 
-#if SHEAF_EMBREE_MAJOR >= 4
 void Accel::intersect(RayPacket& packet, int count) const noexcept {
   empty_unused(packet, count);
-  RTCIntersectArguments args;
-  rtcInitIntersectArguments(&args);
-  args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
-  rtcIntersect16(kValid.masks[count], impl_->scene, reinterpret_cast<RTCRayHit16*>(&packet), &args);
+  if (impl_->traces_sixteen) {
+    call(rtcIntersect16, impl_->scene, kValid.masks[count], reinterpret_cast<RTCRayHit16*>(&packet),
+         intersect_arguments());
+  } else {
+    for (int first = 0; first < count; first += 8) {
+      HalfPacket<RTCRayHit8> half(packet, first);
+      call(rtcIntersect8, impl_->scene, kValid.masks[std::min(count - first, 8)], &half.rays, intersect_arguments());
+      half.write(packet, first);
+    }
+  }
   if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance, impl_->motion);
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {
   empty_unused(packet, count);
-  RTCOccludedArguments args;
-  rtcInitOccludedArguments(&args);
-  args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
-  rtcOccluded16(kValid.masks[count], impl_->scene, reinterpret_cast<RTCRay16*>(&packet), &args);
+  if (impl_->traces_sixteen)
+    return call(rtcOccluded16, impl_->scene, kValid.masks[count], reinterpret_cast<RTCRay16*>(&packet),
+                occluded_arguments());
+  for (int first = 0; first < count; first += 8) {
+    HalfPacket<RTCRay8> half(packet, first);
+    call(rtcOccluded8, impl_->scene, kValid.masks[std::min(count - first, 8)], &half.rays, occluded_arguments());
+    half.write(packet, first);
+  }
 }
-#else
-void Accel::intersect(RayPacket& packet, int count) const noexcept {
-  empty_unused(packet, count);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcIntersect16(kValid.masks[count], impl_->scene, &context, reinterpret_cast<RTCRayHit16*>(&packet));
-  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance, impl_->motion);
-}
-
-void Accel::occluded(RayPacket& packet, int count) const noexcept {
-  empty_unused(packet, count);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcOccluded16(kValid.masks[count], impl_->scene, &context, reinterpret_cast<RTCRay16*>(&packet));
-}
-#endif
 
 std::size_t Accel::bytes() const { return impl_->allocated(); }
 

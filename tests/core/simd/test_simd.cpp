@@ -217,8 +217,8 @@ TEST_CASE("simd: gathers of words from any byte take offsets of all 32 bits") {
   for (std::size_t i = 0; i < sizeof(bytes); ++i) bytes[i] = static_cast<std::uint8_t>(7 * i + 3);
   for (const std::uint32_t start : {0u, 0x7ffffff0u, 0x80000000u, 0xf0000000u}) {
     CAPTURE(start);
-    const auto* const base =
-        reinterpret_cast<const std::uint8_t*>(reinterpret_cast<std::uintptr_t>(static_cast<const void*>(bytes)) - start);
+    const auto* const base = reinterpret_cast<const std::uint8_t*>(
+        reinterpret_cast<std::uintptr_t>(static_cast<const void*>(bytes)) - start);
     const auto offset = [start](int lane) { return start + 3 * static_cast<std::uint32_t>(lane); };
     const WideUint words = gather_unaligned(base, wide_uints(offset));
     for (int lane = 0; lane < kWidth; ++lane) {
