@@ -2,6 +2,7 @@
 
 #include "core/math/transform.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -33,16 +34,26 @@ double determinant_of(const std::array<float, 12>& m) {
 }
 
 bool is_usable_instance(const std::array<float, 12>& to_world) {
-  const std::optional<Matrix4> inverse = inverse_of(to_world);
-  if (!inverse || determinant_of(to_world) == 0.0) return false;
+  double largest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      // These comparisons fail for NaN.
-      if (!(std::fabs(to_world[4 * i + j]) <= kLargestInstanceScale)) return false;
-      if (!(std::fabs(inverse->m[i][j]) <= kLargestInstanceScale)) return false;
+      const double size = std::fabs(double{to_world[4 * i + j]});
+      if (!(size <= kLargestInstanceScale)) return false;  // also for NaN
+      largest = std::max(largest, size);
     }
     if (!std::isfinite(to_world[4 * i + 3])) return false;
   }
+  // The inverse has no entry above 2 largest^2 / |det|. Well below the limit, this bound suffices
+  const double determinant = std::fabs(determinant_of(to_world));
+  constexpr double kMargin = 1e-3, kMinConditioning = 1e-6;
+  if (2 * largest * largest <= kMargin * kLargestInstanceScale * determinant &&
+      determinant >= kMinConditioning * largest * largest * largest)
+    return true;
+  const std::optional<Matrix4> inverse = inverse_of(to_world);
+  if (!inverse || determinant == 0.0) return false;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (!(std::fabs(inverse->m[i][j]) <= kLargestInstanceScale)) return false;
   return true;
 }
 

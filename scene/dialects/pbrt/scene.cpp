@@ -7,7 +7,6 @@
 #include "scene/xml/missing_file.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace sheaf::pbrt {
 
@@ -129,11 +128,11 @@ std::span<const SceneBuilder::Directive> SceneBuilder::directives() {
 
 const SceneBuilder::Directive& SceneBuilder::directive(const Token& token, const SourceLocation& where) {
   std::vector<std::string> known;
-  if (token.kind == Token::Kind::kWord)
-    for (const Directive& candidate : directives()) {
+  if (token.kind == Token::Kind::kWord) {
+    for (const Directive& candidate : directives())
       if (token.text == candidate.name) return candidate;
-      known.emplace_back(candidate.name);
-    }
+    for (const Directive& candidate : directives()) known.emplace_back(candidate.name);
+  }
   if (token.text == "WorldEnd")
     throw SceneError(where, "WorldEnd belongs to pbrt-v3, expected a scene of pbrt-v4; convert it with pbrt --upgrade");
   throw SceneError(where, fmt::format("found {}, expected a directive{}", displayed(token),
@@ -185,7 +184,11 @@ void SceneBuilder::finish() {
     object.group.id = name;
     description.groups.push_back(std::move(object.group));
     for (InstanceDescription& instance : object.instances) instance.group = group;
-    std::move(object.instances.begin(), object.instances.end(), std::back_inserter(description.instances));
+    std::vector<InstanceDescription>& all = description.instances;
+    if (all.empty())
+      all = std::move(object.instances);
+    else
+      all.insert(all.end(), object.instances.begin(), object.instances.end());
   }
   separate_moving_shapes(description, reader_.errors);
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;

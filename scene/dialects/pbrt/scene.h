@@ -22,7 +22,7 @@ class SceneBuilder {
   /// The section of a file in which a directive is allowed.
   enum class Section { kAnywhere, kOptions, kWorld };
   struct Directive {
-    const char* name;
+    std::string_view name;
     Handler handler;
     Section section;
   };

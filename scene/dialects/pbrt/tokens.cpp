@@ -40,7 +40,7 @@ char unescaped(char c) {
 }  // namespace
 
 Tokens::Tokens(std::string text, std::string file, Definitions* definitions)
-    : text_(std::move(text)), file_(std::move(file)), definitions_(definitions) {
+    : text_(std::move(text)), definitions_(definitions), where_{std::move(file), 1} {
   advance();
 }
 
@@ -61,8 +61,15 @@ void Tokens::skip_space() {
 }
 
 void Tokens::read_string() {
-  string_.clear();
-  for (++at_; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
+  const std::size_t begin = ++at_;
+  while (at_ < text_.size() && text_[at_] != '"' && text_[at_] != '\\' && text_[at_] != '\n') ++at_;
+  if (at_ < text_.size() && text_[at_] == '"') {
+    token_.text = std::string_view(text_).substr(begin, at_++ - begin);
+    return;
+  }
+  // Resolve escapes
+  string_.assign(text_, begin, at_ - begin);
+  for (; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
     if (text_[at_] == '"') {
       ++at_;
       token_.text = string_;
@@ -110,7 +117,8 @@ void Tokens::substitute(std::size_t begin) {
 
 void Tokens::advance() {
   skip_space();
-  token_ = {Token::Kind::kEnd, {}, line_};
+  token_ = {};
+  where_.line = line_;
   if (at_ == text_.size()) return;
   const char c = text_[at_];
   const std::size_t begin = at_;

@@ -18,7 +18,6 @@ struct Token {
     kClose    ///< ]
   } kind = Kind::kEnd;
   std::string_view text;  ///< valid until the next token
-  int line = 1;           ///< where it begins
 };
 
 /// Splits a text into tokens, one at a time. Comments start at # and end with the line. In words and strings, `$name`
@@ -29,7 +28,8 @@ class Tokens {
   Tokens(std::string text, std::string file, Definitions* definitions = nullptr);
 
   const Token& current() const { return token_; }
-  SourceLocation where() const { return {file_, token_.line}; }
+  /// Where the current token begins.
+  const SourceLocation& where() const { return where_; }
   /// Advances to the next token. Throws SceneError for a string or an expression that does not end on its line, for
   /// unknown escapes, and for errors of expressions.
   void advance();
@@ -41,12 +41,13 @@ class Tokens {
   /// Substitutes definitions in the token, which begins at `begin`.
   void substitute(std::size_t begin);
 
-  std::string text_, file_, string_;
+  std::string text_, string_;
   Definitions* definitions_;
   std::size_t at_ = 0;
   std::size_t line_start_ = 0;  ///< of the current line in the text
   int line_ = 1;
   Token token_;
+  SourceLocation where_;
 };
 
 /// Returns the token for messages: quoted, and truncated if long.
