@@ -22,7 +22,18 @@ bool contains(const std::vector<std::string>& list, const std::string& name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// Whether spelling_key(name) is `key`.
+bool is_spelled(std::string_view name, std::string_view key) {
+  std::size_t at = 0;
+  for (const char c : name) {
+    if (c == '_') continue;
+    if (at == key.size() || key[at] != lower(c)) return false;
+    ++at;
+  }
+  return at == key.size();
+}
 
 }  // namespace
 
@@ -35,7 +46,7 @@ void ReadContext::note(const SourceLocation& where, const std::string& message) 
 std::string spelling_key(std::string_view name) {
   std::string key;
   for (const char c : name)
-    if (c != '_') key += is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+    if (c != '_') key += lower(c);
   return key;
 }
 
@@ -105,9 +116,8 @@ void Properties::add(const XmlElement& child) {
 }
 
 Properties::Entry* Properties::find_value(const char* name) {
-  const std::string key = spelling_key(name);
   for (Entry& entry : entries_)
-    if (!entry.key.empty() && entry.key == key && !entry.dropped) return &entry;
+    if (!entry.key.empty() && !entry.dropped && is_spelled(name, entry.key)) return &entry;
   return nullptr;
 }
 

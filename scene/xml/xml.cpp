@@ -33,18 +33,22 @@ std::string read_text(const std::filesystem::path& file) {
   return text;
 }
 
-/// Converts byte offsets to line numbers.
+/// Converts byte offsets to line numbers. Fast for offsets that increase in small steps.
 class LineIndex {
  public:
   explicit LineIndex(std::string_view text) {
     for (std::size_t i = text.find('\n'); i != text.npos; i = text.find('\n', i + 1)) line_ends_.push_back(i);
   }
-  int line(std::ptrdiff_t offset) const {
+  int line(std::ptrdiff_t offset) {
     if (offset < 0) return 0;
-    const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), static_cast<std::size_t>(offset));
-    return static_cast<int>(end - line_ends_.begin()) + 1;
+    const auto at = static_cast<std::size_t>(offset);
+    if (before_ > 0 && line_ends_[before_ - 1] >= at)
+      before_ =
+          static_cast<std::size_t>(std::lower_bound(line_ends_.begin(), line_ends_.end(), at) - line_ends_.begin());
+    while (before_ < line_ends_.size() && line_ends_[before_] < at) ++before_;
+    return static_cast<int>(before_) + 1;
   }
-  int column(std::ptrdiff_t offset) const {
+  int column(std::ptrdiff_t offset) {
     const int before = line(offset) - 1;
     const std::ptrdiff_t start =
         before > 0 ? static_cast<std::ptrdiff_t>(line_ends_[static_cast<std::size_t>(before) - 1]) + 1 : 0;
@@ -53,6 +57,7 @@ class LineIndex {
 
  private:
   std::vector<std::size_t> line_ends_;
+  std::size_t before_ = 0;  ///< number of line ends before the offset of the last query
 };
 
 std::size_t count_attributes(const pugi::xml_node& node) {
@@ -74,9 +79,9 @@ struct Converter {
   LineIndex lines;
   ErrorSink& errors;
 
-  SourceLocation where(const pugi::xml_node& node) const { return {file, lines.line(node.offset_debug())}; }
+  SourceLocation where(const pugi::xml_node& node) { return {file, lines.line(node.offset_debug())}; }
 
-  void report_text(const pugi::xml_node& node) const {
+  void report_text(const pugi::xml_node& node) {
     const std::string_view text = node.value();
     const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
     const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
@@ -90,7 +95,7 @@ struct Converter {
   }
 
   /// Sets the position of a value at this offset if it contains an expression.
-  void place_expression(XmlAttribute& attribute, std::ptrdiff_t offset) const {
+  void place_expression(XmlAttribute& attribute, std::ptrdiff_t offset) {
     if (attribute.value.find("$(") == std::string::npos) return;
     const int line = lines.line(offset);
     if (lines.line(offset + static_cast<std::ptrdiff_t>(attribute.value.size())) != line) return;
@@ -98,9 +103,9 @@ struct Converter {
     attribute.column = lines.column(offset);
   }
 
-  /// Removes the children of `node` from pugixml's tree while converting, so that a large scene is not in memory twice.
-  XmlElement convert(pugi::xml_node node, int depth) const {
-    XmlElement element;
+  /// Converts `node` to `element`, which is empty. Removes the children from pugixml's tree meanwhile, so that a large
+  /// scene is not in memory twice.
+  void convert(pugi::xml_node node, int depth, XmlElement& element) {
     element.name = node.name();
     element.where = where(node);
     if (depth > kMaxDepth)
@@ -109,29 +114,31 @@ struct Converter {
     // Copy the attributes, each once
     element.attributes.reserve(count_attributes(node));
     for (pugi::xml_attribute attribute = node.first_attribute(); attribute; attribute = attribute.next_attribute()) {
-      if (element.find_attribute(attribute.name()) != nullptr) {
-        const SceneError error(element.where,
-                               fmt::format("attribute {} is set twice, expected once", in_quotes(attribute.name())),
+      const std::string_view name = attribute.name();
+      if (element.find_attribute(name) != nullptr) {
+        const SceneError error(element.where, fmt::format("attribute {} is set twice, expected once", in_quotes(name)),
                                SceneErrorCode::kDuplicate);
         errors.report(error.about(fmt::format("<{}>", element.name)), "the last one is used");
-        std::erase_if(element.attributes, [&](const XmlAttribute& a) { return a.name == attribute.name(); });
+        std::erase_if(element.attributes, [&](const XmlAttribute& a) { return a.name == name; });
       }
       if (element.attributes.size() == kMaxAttributes)
         throw SceneError(element.where, fmt::format("more than {} attributes", kMaxAttributes),
                          SceneErrorCode::kTooLarge);
-      element.attributes.push_back({attribute.name(), attribute.value()});
-      place_expression(element.attributes.back(), attribute.value() - buffer);
+      const char* const value = attribute.value();
+      XmlAttribute& added = element.attributes.emplace_back();
+      added.name = name;
+      added.value = value;
+      place_expression(added, value - buffer);
     }
     // Convert the children, and free their nodes
     element.children.reserve(count_children(node));
     for (pugi::xml_node child; (child = node.first_child()); node.remove_child(child)) {
       if (child.type() == pugi::node_element) {
-        element.children.push_back(convert(child, depth + 1));
+        convert(child, depth + 1, element.children.emplace_back());
       } else if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
         report_text(child);
       }
     }
-    return element;
   }
 };
 
@@ -155,7 +162,8 @@ const std::string& XmlElement::attribute(std::string_view attribute_name) const 
 
 void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) const {
   for (const XmlAttribute& a : attributes) {
-    if (std::find(allowed.begin(), allowed.end(), a.name) != allowed.end()) continue;
+    const std::string_view given = a.name;
+    if (std::any_of(allowed.begin(), allowed.end(), [&](const char* known) { return given == known; })) continue;
     const std::vector<std::string> names(allowed.begin(), allowed.end());
     throw SceneError(where,
                      fmt::format("<{}> has no attribute {}{}", name, in_quotes(a.name), did_you_mean(a.name, names)),
@@ -166,7 +174,7 @@ void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) c
 
 XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors) {
   std::string text = read_text(file);
-  const Converter converter{file.string(), text.data(), LineIndex(text), errors};
+  Converter converter{file.string(), text.data(), LineIndex(text), errors};
   pugi::xml_document document;
   const pugi::xml_parse_result result =
       document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
@@ -181,7 +189,9 @@ XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors) {
     if (other.type() == pugi::node_element)
       throw SceneError(converter.where(other), fmt::format("a second root element <{}>", other.name()),
                        SceneErrorCode::kSyntax);
-  return converter.convert(root, 1);
+  XmlElement element;
+  converter.convert(root, 1, element);
+  return element;
 }
 
 }  // namespace sheaf

@@ -21,7 +21,8 @@ constexpr std::size_t kMaxParameterLength = std::size_t{1} << 20;
 
 /// Whether an element is a directive that is replaced by its meaning.
 bool is_directive(const XmlElement& element) {
-  return element.name == "default" || element.name == "path" || element.name == "alias" || element.name == "include";
+  const std::string_view name = element.name;  // whose comparison starts with the length
+  return name == "default" || name == "path" || name == "alias" || name == "include";
 }
 
 /// `base / name` if that exists, otherwise with backslashes replaced by slashes; empty if neither exists.
@@ -177,14 +178,18 @@ ExpandedScene::ExpandedScene(XmlElement root, const ExpandedScene& original)
 }
 
 void ExpandedScene::resolve_ids(ErrorSink& errors) {
-  for (const XmlElement& child : root_.children) index(child, errors);
+  std::vector<const std::string*> references;
+  for (const XmlElement& child : root_.children) index(child, errors, references);
   apply_aliases(errors);
-  mark_references(root_);
+  for (const std::string* id : references)
+    if (const auto found = ids_.find(*id); found != ids_.end()) referenced_.insert(found->second);
 }
 
-void ExpandedScene::index(const XmlElement& element, ErrorSink& errors) {
-  const std::string* id = element.name == "ref" ? nullptr : element.find_attribute("id");
-  if (id != nullptr) {
+void ExpandedScene::index(const XmlElement& element, ErrorSink& errors, std::vector<const std::string*>& references) {
+  const std::string* id = element.find_attribute("id");
+  if (id != nullptr && element.name == "ref") {
+    references.push_back(id);
+  } else if (id != nullptr) {
     const auto [it, inserted] = ids_.emplace(*id, &element);
     if (!inserted) {
       const SourceLocation& first = it->second->where;
@@ -195,7 +200,7 @@ void ExpandedScene::index(const XmlElement& element, ErrorSink& errors) {
       errors.report(error.about(fmt::format("<{}>", element.name)), "the first one is used");
     }
   }
-  for (const XmlElement& child : element.children) index(child, errors);
+  for (const XmlElement& child : element.children) index(child, errors, references);
 }
 
 void ExpandedScene::apply_aliases(ErrorSink& errors) {
@@ -220,13 +225,6 @@ void ExpandedScene::rename(XmlElement& element, std::span<const ElementSynonym> 
       if (attribute.name == "type" && attribute.value == synonym.old) attribute.value = synonym.now;
   }
   for (XmlElement& child : element.children) rename(child, elements, plugins);
-}
-
-void ExpandedScene::mark_references(const XmlElement& element) {
-  if (element.name == "ref")
-    if (const std::string* id = element.find_attribute("id"))
-      if (auto it = ids_.find(*id); it != ids_.end()) referenced_.insert(it->second);
-  for (const XmlElement& child : element.children) mark_references(child);
 }
 
 const XmlElement& ExpandedScene::find(const std::string& id, const SourceLocation& where) const {

@@ -65,9 +65,9 @@ class ExpandedScene {
                      std::span<const PluginSynonym> plugins);
   /// Resolves ids after the expansion.
   void resolve_ids(ErrorSink& errors);
-  void index(const XmlElement& element, ErrorSink& errors);
+  /// Enters the ids in the element. `references`: receives the ids of <ref>s.
+  void index(const XmlElement& element, ErrorSink& errors, std::vector<const std::string*>& references);
   void apply_aliases(ErrorSink& errors);
-  void mark_references(const XmlElement& element);
 
   XmlElement root_;
   bool lenient_ = false;
