@@ -44,6 +44,32 @@ TEST_CASE("XML: malformed files are errors with a line number") {
   }
 }
 
+TEST_CASE("XML: the lines of elements follow values and text of several lines") {
+  std::vector<std::string> substitutions;
+  ErrorSink errors(true, substitutions);
+  const TemporaryFolder folder;
+  const XmlElement root = read_xml(write_below(folder, "lines.xml",
+                                               "<scene\n>\n<a x='$(1 +\n2)' y='$(3)'\n z='$(4)'/><b/>\n\n<c>\n\n"
+                                               "text\n<d/></c>\n<!--\n--><e x='$(5)'/>\n</scene>"),
+                                   errors);
+  REQUIRE(root.children.size() == 4);
+  const XmlElement &a = root.children[0], &b = root.children[1], &c = root.children[2], &e = root.children[3];
+  CHECK(root.where.line == 1);
+  CHECK(a.where.line == 3);
+  CHECK(a.attributes[0].line == 0);
+  CHECK(a.attributes[1].line == 4);
+  CHECK(a.attributes[1].column == 8);
+  CHECK(a.attributes[2].line == 5);
+  CHECK(b.where.line == 5);
+  CHECK(c.where.line == 7);
+  CHECK(c.children.at(0).where.line == 10);
+  CHECK(e.where.line == 12);
+  CHECK(e.attributes[0].line == 12);
+  CHECK(e.attributes[0].column == 10);
+  REQUIRE(substitutions.size() == 1);
+  CHECK(contains(substitutions[0], "lines.xml:9: unexpected text 'text'"));
+}
+
 TEST_CASE("XML: entities of a DTD are not expanded") {
   const std::string text =
       "<!DOCTYPE scene [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]>\n<scene version=\"&b;\"/>";
