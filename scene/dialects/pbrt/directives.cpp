@@ -46,14 +46,13 @@ void SceneBuilder::save(const char* by) {
   saved_.push_back({by, where_, reader_.attributes});
 }
 
-Attributes SceneBuilder::restore(const char* by) {
+void SceneBuilder::restore(const char* by, Attributes& attributes) {
   if (saved_.empty() || std::string_view(saved_.back().by) != by)
     throw SceneError(where_,
                      fmt::format("an end without {}{}", by,
                                  saved_.empty() ? "" : ", expected the end of " + std::string(saved_.back().by)));
-  Attributes attributes = std::move(saved_.back().attributes);
+  attributes = std::move(saved_.back().attributes);
   saved_.pop_back();
-  return attributes;
 }
 
 void SceneBuilder::accelerator(Tokens& tokens) { read_arguments(tokens, "accelerator"); }
@@ -80,7 +79,7 @@ void SceneBuilder::attribute(Tokens& tokens) {
 }
 
 void SceneBuilder::attribute_begin(Tokens&) { save("AttributeBegin"); }
-void SceneBuilder::attribute_end(Tokens&) { reader_.attributes = restore("AttributeBegin"); }
+void SceneBuilder::attribute_end(Tokens&) { restore("AttributeBegin", reader_.attributes); }
 
 void SceneBuilder::camera(Tokens& tokens) {
   options_["Camera"] = read_arguments(tokens, "camera");
@@ -104,7 +103,7 @@ void SceneBuilder::film(Tokens& tokens) { options_["Film"] = read_arguments(toke
 void SceneBuilder::import(Tokens& tokens) {
   save("Import");
   include(tokens);
-  reader_.attributes = restore("Import");
+  restore("Import", reader_.attributes);
 }
 
 void SceneBuilder::include(Tokens& tokens) {
@@ -170,7 +169,7 @@ void SceneBuilder::object_begin(Tokens& tokens) {
 }
 
 void SceneBuilder::object_end(Tokens&) {
-  reader_.attributes = restore("ObjectBegin");
+  restore("ObjectBegin", reader_.attributes);
   reader_.object = nullptr;
 }
 

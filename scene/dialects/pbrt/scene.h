@@ -48,7 +48,8 @@ class SceneBuilder {
   std::string read_string(Tokens& tokens, const char* what);
   DirectiveArguments read_arguments(Tokens& tokens, const char* target);
   void save(const char* by);
-  Attributes restore(const char* by);
+  /// Takes the attributes that the directive `by` saved last. Throws SceneError if another one saved the last ones.
+  void restore(const char* by, Attributes& attributes);
 
   void accelerator(Tokens& tokens);
   void area_light_source(Tokens& tokens);

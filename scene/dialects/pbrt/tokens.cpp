@@ -4,6 +4,7 @@
 #include "scene/xml/expression.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -13,7 +14,13 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-bool ends_word(char c) { return is_space(c) || c == '"' || c == '[' || c == ']' || c == '#'; }
+constexpr std::array<bool, 256> kEndsWord = [] {
+  std::array<bool, 256> table{};
+  for (const char c : {' ', '\t', '\n', '\r', '"', '[', ']', '#'}) table[static_cast<unsigned char>(c)] = true;
+  return table;
+}();
+
+bool ends_word(char c) { return kEndsWord[static_cast<unsigned char>(c)]; }
 
 /// Returns the character of an escape sequence, or 0.
 char unescaped(char c) {
@@ -91,7 +98,7 @@ void Tokens::read_string() {
 void Tokens::read_word() {
   const std::size_t begin = at_;
   while (at_ < text_.size() && !ends_word(text_[at_])) {
-    if (definitions_ == nullptr || text_[at_] != '$' || at_ + 1 == text_.size() || text_[at_ + 1] != '(') {
+    if (text_[at_] != '$' || definitions_ == nullptr || at_ + 1 == text_.size() || text_[at_ + 1] != '(') {
       ++at_;
       continue;
     }

@@ -116,7 +116,8 @@ void SceneBuilder::transform(Tokens& tokens) {
 void SceneBuilder::transform_begin(Tokens&) { save("TransformBegin"); }
 
 void SceneBuilder::transform_end(Tokens&) {
-  const Attributes before = restore("TransformBegin");
+  Attributes before;
+  restore("TransformBegin", before);
   reader_.attributes.transform = before.transform;
   reader_.attributes.start_is_active = before.start_is_active;
   reader_.attributes.end_is_active = before.end_is_active;
