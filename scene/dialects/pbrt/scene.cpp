@@ -7,6 +7,7 @@
 #include "scene/xml/missing_file.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sheaf::pbrt {
 
@@ -188,7 +189,7 @@ void SceneBuilder::finish() {
     if (all.empty())
       all = std::move(object.instances);
     else
-      all.insert(all.end(), object.instances.begin(), object.instances.end());
+      all.insert(all.end(), std::move_iterator(object.instances.begin()), std::move_iterator(object.instances.end()));
   }
   separate_moving_shapes(description, reader_.errors);
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
