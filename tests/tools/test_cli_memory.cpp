@@ -175,8 +175,8 @@ TEST_CASE("memory: info predicts the BVH of a short render") {
     CHECK(expected == near(real, 0.02));
     return expected;
   };
-  // Fewer rays than triangles, and more
-  CHECK(accel_bytes(16) < 0.8 * accel_bytes(128));
+  // Fewer rays than triangles, for a compact layout built along a Morton curve: 52 instead of 60 bytes per triangle
+  CHECK(accel_bytes(16) < 0.9 * accel_bytes(128));
 }
 
 TEST_CASE("memory: renders beyond the available memory have exit code 1 and leave no files") {
