@@ -65,6 +65,16 @@ double triangles_of(const AccelInput& in, ShapeRange shapes) {
   return count;
 }
 
+/// Whether a structure that meets this number of rays is built in less time along a Morton curve, rays included.
+bool prefers_morton(double triangles, std::uint32_t shape_count, double rays) {
+  // Measured processor time: a Morton curve saves 0.25 to 0.5 us per triangle, and rays take 15% to 40% longer. It pays
+  // for fewer than 8 rays per triangle (coffee maker, height field) or 14 (interior), but loses 5% at any number in a
+  // classroom with 1300 triangles per shape, whose structures overlap.
+  constexpr double kFewRays = 2;         // per triangle
+  constexpr double kLargeShapes = 4000;  // triangles per shape
+  return !is_small_for_builds(triangles) && triangles >= kLargeShapes * shape_count && rays <= kFewRays * triangles;
+}
+
 /// Rays that each structure can expect: one element for the shapes outside of groups, then one for each group.
 std::vector<double> shared_rays(const AccelInput& in, double rays) {
   std::vector<double> shared(1 + in.group_count, 0.0);
@@ -89,9 +99,6 @@ bool is_small_for_builds(double triangles) {
 }
 
 BuildChoice choose_builds(const AccelInput& in, double rays) {
-  // Measured processor time: a Morton curve saves 0.25 to 0.5 us per triangle, and rays take 15% to 40% longer. It pays
-  // for fewer than 3 (classroom), 8 (coffee maker, height field) and 14 rays (interior of large meshes).
-  constexpr double kFewRays = 2;  // per triangle
   // Measured on two interiors: splits saved 10% of the time in Embree at a waste of 9.5, and nothing at 1.7.
   constexpr double kMinWaste = 4;
   // Measured processor time: splits take another 0.2 to 2.1 us per triangle (classroom, coffee maker, noisy height
@@ -119,7 +126,7 @@ BuildChoice choose_builds(const AccelInput& in, double rays) {
       else if (choice.splits == BvhSplits::kNotNeeded)
         choice.splits = BvhSplits::kBuilt;
     }
-    if (choice.builds[i] != BvhBuild::kSpatial && !is_small_for_builds(triangles) && shared[i] <= kFewRays * triangles)
+    if (choice.builds[i] != BvhBuild::kSpatial && prefers_morton(triangles, shapes_of(i).shape_count, shared[i]))
       choice.builds[i] = BvhBuild::kMorton;
   }
   return choice;

@@ -22,8 +22,8 @@ struct BuildChoice {
 
 /// Structures of much waste have spatial splits if `rays`, traced in the scene, repay the build, which takes two to six
 /// times as long. `rays` are shared by the instances; each of them counts for the shapes outside of groups. All
-/// structures of much waste have splits if `rays` repay those of all, and in small scenes. Structures that meet very
-/// few rays are built along a Morton curve.
+/// structures of much waste have splits if `rays` repay those of all, and in small scenes. Structures of large meshes
+/// that meet very few rays are built along a Morton curve.
 BuildChoice choose_builds(const AccelInput& in, double rays);
 
 }  // namespace sheaf

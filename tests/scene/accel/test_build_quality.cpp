@@ -137,6 +137,13 @@ TEST_CASE("builds: structures that meet very few rays are built along a Morton c
   CHECK(scene.choose(21).builds == Builds{kSurface, kSurface, kSurface});
   scene.shapes[1].triangle_count = 9999;
   CHECK(scene.choose(0).builds == Builds{kMorton, kSurface, kMorton});
+  // Nor those of many small meshes
+  scene.in.shape_count = 3;
+  scene.in.group_count = scene.in.instance_count = 0;
+  for (ShapeRow& shape : scene.shapes) shape.triangle_count = 4000;
+  CHECK(scene.choose(0).builds == Builds{kMorton});
+  scene.shapes[2].triangle_count = 3900;
+  CHECK(scene.choose(0).builds == Builds{kSurface});
 }
 
 TEST_CASE("splits: built by small scenes for any number of rays, and not by meshes without waste") {
