@@ -17,7 +17,7 @@ namespace sheaf {
 
 namespace {
 
-/// The coarse levels begin at a 1 / 8 of the image's size.
+/// The size of the image over that of the first coarse level.
 constexpr std::uint32_t kCoarseFactor = 1u << kFirstCoarseLevel;
 /// Maximum number of texels that a texel of a coarser level covers or touches along one axis.
 constexpr std::uint32_t kMaxTaps = 2 * kCoarseFactor + 1;
