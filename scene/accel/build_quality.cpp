@@ -65,7 +65,7 @@ double triangles_of(const AccelInput& in, ShapeRange shapes) {
   return count;
 }
 
-/// Whether a structure that meets this number of rays is built in less time along a Morton curve, rays included.
+/// Whether building a structure and tracing this number of rays in it takes less time along a Morton curve.
 bool prefers_morton(double triangles, std::uint32_t shape_count, double rays) {
   // Measured processor time: a Morton curve saves 0.25 to 0.5 us per triangle, and rays take 15% to 40% longer. It pays
   // for fewer than 8 rays per triangle (coffee maker, height field) or 14 (interior), but loses 5% at any number in a

@@ -30,8 +30,8 @@ enum TextureNeeds : std::uint8_t {
   kTextureNeedsPoint = 2,  ///< the position in world space
 };
 
-/// Storage of a texel: one value, three bytes, or four halves or floats of which the fourth is 0. Bytes represent [0,
-/// 1] (kSrgbByte: sRGB-encoded, decoded before interpolation); halves (IEEE 754 binary16) and floats are linear.
+/// Storage of a texel: one value, three bytes, or four halves or floats of which the fourth is 0. Byte 255 stands for 1
+/// (kSrgbByte: sRGB-encoded, decoded before interpolation); halves (IEEE 754 binary16) and floats are linear.
 enum class TexelFormat : std::uint8_t { kByte1, kByte3, kSrgbByte1, kSrgbByte3, kHalf1, kHalf4, kFloat1, kFloat4 };
 
 constexpr bool holds_bytes(TexelFormat format) { return format <= TexelFormat::kSrgbByte3; }
