@@ -54,7 +54,7 @@ SCRIPTS = {
     "bench/compare_guiding.py": ["--sheaf", "{build}/sheaf", "--spp", "4", "--width", "24", "--seeds", "2", "--scenes",
                                  "scenes/gap/gap.xml"],
     "bench/compare_lights.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "48", "--reference-spp", "4"],
-    "bench/compare_big.py": ["--sheaf", "{build}/sheaf", "--side", "8", "--instances", "4",
+    "bench/compare_big.py": ["--sheaf", "{build}/sheaf", "--side", "8", "--meshes", "2", "--instances", "4",
                              "--texture-side", "16", "--runs", "1"],
     "bench/compare_loading.py": ["--sheaf", "{build}/sheaf", "--side", "8", "--files", "4", "--runs", "1"],
     "bench/compare_media.py": ["--sheaf", "{build}/sheaf", "--width", "32", "--spp", "2", "--seeds", "1",
